@@ -33,6 +33,11 @@ class Note(NamedTuple):
         return f"{where}, {self.column}: {self.text}" if self.column else f"{where}: {self.text}"
 
 
+def no_place(table: str, row: str, column: str, text: str) -> Note:
+    """Return the note that nothing here could hold a value."""
+    return Note("no_place", table, row, column, text)
+
+
 def merged(notes: Iterable[Note]) -> tuple[Note, ...]:
     """Return the notes with those that say the same of several rows as one, where the first of them stood."""
     rows: dict[Note, list[str]] = {}
@@ -79,10 +84,10 @@ class Choice(NamedTuple):
 class OldData(Protocol):
     """The content of a file, before its robot is known."""
 
-    def fits(self, here: Here) -> bool:
+    def fits(self, target: Here) -> bool:
         """Return whether a robot has what the file speaks of."""
 
-    def wants(self, here: Here, choice: Choice) -> tuple[Sequence[Want], Sequence[Note]]:
+    def wants(self, target: Here, choice: Choice) -> Iterable[Want | Note]:
         """Return which rows are wanted, and what has no place; InputError says why it cannot be told."""
 
 

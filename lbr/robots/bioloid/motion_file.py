@@ -9,7 +9,7 @@ from lbr.messages.faces import Motor
 from lbr.messages.joints import MAX_FRAMES, Joint, KeyFrame, Motion
 from lbr.names import LONGEST, name_from
 from lbr.robot.motion_file import DIGITS, LONGEST_S, SHORTEST_S, RobotRows, sparse, split
-from lbr.robot.old_data import Note
+from lbr.robot.old_data import Note, no_place
 from lbr.robots.bioloid import mtn
 from lbr.robots.bioloid.mtn import MtnFile, Page, Step
 
@@ -45,7 +45,7 @@ class MtnMotions:
         if not usable:
             raise InputError("it moves no servo that a joint of that robot is on: name another with --robot")
         names = _names(self.file.pages, _chains(self.file.pages))
-        found = []
+        motions = []
         for name, chain in names.items():
             page = self.file.pages[chain[0] - 1]
             if name != page.name:
@@ -54,13 +54,13 @@ class MtnMotions:
             motion, more = _motion(name, chain, self.file, usable)
             notes += more
             if motion.frames:
-                found.append(motion)
+                motions.append(motion)
         empty = [str(number) for number, page in enumerate(self.file.pages, 1) if not page.steps]
         if empty:
-            notes.append(Note("no_place", TABLE, ", ".join(empty), "step", "a page without steps is no motion"))
-        if not found:
+            notes.append(no_place(TABLE, ", ".join(empty), "step", "a page without steps is no motion"))
+        if not motions:
             raise InputError("none of its pages has a step")
-        return tuple(found), notes
+        return tuple(motions), notes
 
 
 def read(content: bytes) -> MtnMotions:
@@ -125,47 +125,47 @@ def _of_checksum(file: MtnFile) -> Iterator[Note]:
         "missing": "the file ends without it: it may have been cut off after a page, and is taken as it is",
     }.get(file.checksum)
     if text is not None:
-        yield Note("no_place", "file", "", "checksum", text)
+        yield no_place("file", "", "checksum", text)
 
 
 def _without_joint(file: MtnFile, joints: dict[int, Joint]) -> Iterator[Note]:
     types = dict(enumerate(file.motor_types))
     for servo in file.enabled:
         if servo not in joints:
-            yield Note("no_place", "enable", str(servo), "", "no joint of this robot is on that servo")
+            yield no_place("enable", str(servo), "", "no joint of this robot is on that servo")
         elif types.get(servo):
             text = f"it is of motor type {types[servo]}, whose counts are not known here: its joint stays where it is"
-            yield Note("no_place", "motor_type", str(servo), "", text)
+            yield no_place("motor_type", str(servo), "", text)
 
 
 def _chains(pages: tuple[Page, ...]) -> list[list[int]]:
     """Return the numbers of the pages that are played one after the other, for each motion."""
     with_steps = [number for number, page in enumerate(pages, 1) if page.steps]
     led_to = {page.next for number, page in enumerate(pages, 1) if page.next != number}
-    found: list[list[int]] = []
+    chains: list[list[int]] = []
     for number in [*(one for one in with_steps if one not in led_to), *with_steps]:
-        if any(number in chain for chain in found):
+        if any(number in chain for chain in chains):
             continue
         chain = [number]
         while 1 <= (after := pages[chain[-1] - 1].next) <= len(pages) and after not in chain and pages[after - 1].steps:
             chain.append(after)
-        found.append(chain)
-    return found
+        chains.append(chain)
+    return chains
 
 
 def _names(pages: tuple[Page, ...], chains: list[list[int]]) -> dict[str, list[int]]:
     """Return the chains by the names of their motions: each as its first page says, with a number where that is
     taken."""
     plain = {chain[0]: name_from(pages[chain[0] - 1].name, "motion") for chain in chains}
-    said = set(plain.values())
-    found: dict[str, list[int]] = {}
+    all_names = set(plain.values())
+    by_name: dict[str, list[int]] = {}
     for chain in chains:
         name, number = plain[chain[0]], 1
-        while name in found or (number > 1 and name in said):
+        while name in by_name or (number > 1 and name in all_names):
             number += 1
             name = f"{plain[chain[0]][: LONGEST - 4]}_{number}"
-        found[name] = chain
-    return found
+        by_name[name] = chain
+    return by_name
 
 
 def _motion(name: str, chain: list[int], file: MtnFile, joints: dict[int, Joint]) -> tuple[Motion, list[Note]]:
@@ -178,7 +178,7 @@ def _motion(name: str, chain: list[int], file: MtnFile, joints: dict[int, Joint]
         times = page.times if page.times >= 1 and len(frames) + page.times * len(page.steps) * 2 <= MAX_FRAMES else 1
         if times != page.times:
             text = "played several times there, once here: /play/NAME/N plays the motion N times"
-            notes.append(Note("no_place", TABLE, row, "play_param.times", text))
+            notes.append(no_place(TABLE, row, "play_param.times", text))
         for _ in range(times):
             frames += _frames(page, joints, beyond)
         follows = [*chain, 0][chain.index(number) + 1]
@@ -186,7 +186,7 @@ def _motion(name: str, chain: list[int], file: MtnFile, joints: dict[int, Joint]
     if beyond:
         lines = ", ".join(map(str, sorted(set(beyond))[:5]))
         text = f"line {lines}: positions above {MOST} are none of such a servo; its joint stays there"
-        notes.append(Note("no_place", TABLE, str(chain[0]), "step", text))
+        notes.append(no_place(TABLE, str(chain[0]), "step", text))
     return Motion(name=name, frames=tuple(sparse(split(frames, LONGEST_S))), help=pages[0][1].name[:200]), notes
 
 
@@ -212,13 +212,11 @@ def _unplayed(row: str, page: Page, chain: list[int], follows: int) -> Iterator[
     if page.next != follows:
         back = "it leads back to a page before: /play/NAME/N plays the motion N times"
         text = back if page.next in chain else "it leads to a page that is not a motion: it ends here"
-        yield Note("no_place", TABLE, row, "play_param.next", text)
+        yield no_place(TABLE, row, "play_param.next", text)
     if page.exit:
         text = "another page would follow a stop; here the joints hold at once"
-        yield Note("no_place", TABLE, row, "play_param.exit", text)
+        yield no_place(TABLE, row, "play_param.exit", text)
     if page.inertia not in {0, 32}:
-        yield Note("no_place", TABLE, row, "play_param.inertia", "the joints here have their own way of speeding up")
+        yield no_place(TABLE, row, "play_param.inertia", "the joints here have their own way of speeding up")
     if set(page.compliance) - {5}:
-        yield Note(
-            "no_place", TABLE, row, "compliance", "how soft a servo is, is a setting of the driver, not of a motion"
-        )
+        yield no_place(TABLE, row, "compliance", "how soft a servo is, is a setting of the driver, not of a motion")

@@ -193,18 +193,18 @@ def _played(lines: "_Lines", text: str) -> Page:
     parts = text.split()
     if len(parts) != 5:
         raise lines.wrong(f"play_param has 5 numbers; this one has {len(parts)}")
-    after, out, times, inertia = (_whole(lines, parts[index], "play_param") for index in (0, 1, 2, 4))
+    after, after_stop, times, inertia = (_whole(lines, parts[index], "play_param") for index in (0, 1, 2, 4))
     speed = _number(lines, parts[3], "speed", 1000.0)
     if speed <= 0.0:
         raise lines.wrong("a speed of 0 would never get anywhere")
-    return Page("", (), next=after, exit=out, times=times, speed=speed, inertia=inertia)
+    return Page("", (), next=after, exit=after_stop, times=times, speed=speed, inertia=inertia)
 
 
-def _wholes(lines: "_Lines", text: str, most: int, what: str, at: dict[str, int]) -> list[int]:
+def _wholes(lines: "_Lines", text: str, most: int, meaning: str, at: dict[str, int]) -> list[int]:
     parts = text.split()
-    if len(parts) > most or (what == "enable" and not parts):
-        raise lines.wrong(f"{what} has {len(parts)} numbers, and 1 to {most} may be", at.get(what))
-    return [_whole(lines, part, what, at.get(what)) for part in parts]
+    if len(parts) > most or (meaning == "enable" and not parts):
+        raise lines.wrong(f"{meaning} has {len(parts)} numbers, and 1 to {most} may be", at.get(meaning))
+    return [_whole(lines, part, meaning, at.get(meaning)) for part in parts]
 
 
 def _whole(lines: "_Lines", text: str, what: str, line: int | None = None) -> int:

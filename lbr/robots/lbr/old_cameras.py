@@ -1,12 +1,12 @@
 """The table of cameras of this robot's first program, as its API tells it."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from json import loads
 from typing import Any, NamedTuple
 
 from lbr.messages.rows import short
-from lbr.robot.old_data import Choice, Here, Note, OldData, Source, Want
+from lbr.robot.old_data import Choice, Here, Note, OldData, Source, Want, no_place
 
 _CONTROL = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,59}", re.ASCII)
 _GROUPS = ("user", "camera")
@@ -24,63 +24,61 @@ class OldCameras(NamedTuple):
 
     cameras: Mapping[str, Mapping[str, Any]]
 
-    def fits(self, here: Here) -> bool:
+    def fits(self, target: Here) -> bool:
         """Return whether a robot has a camera that is mounted where one of these was."""
-        return any(_here(here, name) for name in self.cameras)
+        return any(_mounted(target, name) for name in self.cameras)
 
-    def wants(self, here: Here, choice: Choice) -> tuple[Sequence[Want], Sequence[Note]]:  # noqa: ARG002
-        """Return devices' addresses and cameras' controls."""
-        found = [one for name, camera in self.cameras.items() for one in _camera(name, camera, here)]
-        return [one for one in found if isinstance(one, Want)], [one for one in found if isinstance(one, Note)]
+    def wants(self, target: Here, choice: Choice) -> Iterator[Want | Note]:  # noqa: ARG002
+        """Yield devices' addresses and cameras' controls."""
+        for name, camera in self.cameras.items():
+            yield from _camera(name, camera, target)
 
 
 def read(source: Source) -> OldData | None:
     """Return the cameras of `GET /cameras`, or of a telemetry package; None if it is something else."""
-    found = source.json
-    found = found.get("cameras", found) if isinstance(found, dict) else None
-    if not isinstance(found, dict) or not found:
+    content = source.json
+    content = content.get("cameras", content) if isinstance(content, dict) else None
+    if not isinstance(content, dict) or not content:
         return None
     if not all(
-        isinstance(one, dict) and isinstance(one.get("device"), str) and "status" in one for one in found.values()
+        isinstance(one, dict) and isinstance(one.get("device"), str) and "status" in one for one in content.values()
     ):
         return None
-    return OldCameras(found)
+    return OldCameras(content)
 
 
-def _here(here: Here, mount: str) -> tuple[str, str] | None:
+def _mounted(target: Here, mount: str) -> tuple[str, str] | None:
     """Return the device and the capability of the camera that looks there."""
-    for device in here.rows("device"):
+    for device in target.rows("device"):
         if device["type"] == "camera" and loads(device["settings"]).get("mount") == mount:
-            for row in here.rows("capability"):
+            for row in target.rows("capability"):
                 if row["kind"] == "camera" and loads(row["settings"]).get("device") == device["name"]:
                     return device["name"], row["name"]
     return None
 
 
-def _camera(name: str, camera: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
+def _camera(name: str, camera: Mapping[str, Any], target: Here) -> Iterator[Want | Note]:
     row = short(name)
-    found = _here(here, name)
+    mounted = _mounted(target, name)
     if not camera["device"]:
-        yield Note("no_place", "cameras", row, "", "it is no camera, but how all were switched off: /camera/off")
+        yield no_place("cameras", row, "", "it is no camera, but how all were switched off: /camera/off")
         return
-    if found is None:
-        yield Note(
-            "no_place", "cameras", row, "device", "no camera of this robot is mounted there (device.settings, mount)"
-        )
+    if mounted is None:
+        yield no_place("cameras", row, "device", "no camera of this robot is mounted there (device.settings, mount)")
         return
-    device, capability = found
+    device, capability = mounted
     yield Want("device", {"name": device}, {"address": camera["device"]}, f"cameras '{row}', device")
-    yield Note("no_place", "cameras", row, "status", "which one is on is said while the robot runs: /camera/NAME")
+    yield no_place("cameras", row, "status", "which one is on is said while the robot runs: /camera/NAME")
     controls = camera.get("settings") or {}
     if not isinstance(controls, dict):
-        yield Note("no_place", "cameras", row, "settings", "it is no table of controls")
+        yield no_place("cameras", row, "settings", "it is no table of controls")
         return
     for control, where, value in _controls(controls):
         if not _CONTROL.fullmatch(control):
-            yield Note("no_place", "cameras", row, "settings", f"'{short(control)}' is no name of a control")
+            yield no_place("cameras", row, "settings", f"'{short(control)}' is no name of a control")
         elif control in _WRONG or isinstance(value, bool) or not isinstance(value, int | float):
             text = _WRONG.get(control, f"'{short(value)}' is not a number")
-            yield Note("no_place", "cameras", row, f"settings.{where}", text)
+            yield no_place("cameras", row, f"settings.{where}", text)
         else:
             yield Want(
                 "capability",

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from lbr.errors import InputError
 from lbr.messages.rows import short
 from lbr.names import name_from
-from lbr.robot.old_data import Choice, ForeignTables, Here, Note, OldData, Source, Want
+from lbr.robot.old_data import Choice, ForeignTables, Here, Note, OldData, Source, Want, no_place
 
 _SAME = {"robot_process", "channel", "extcmd", "calibration", "move_config"}
 """Of these tables it has most; other programs have tables `robot`, too."""
@@ -40,20 +40,20 @@ class OldDatabase(NamedTuple):
     tables: ForeignTables
     folder: str
 
-    def fits(self, here: Here) -> bool:
+    def fits(self, target: Here) -> bool:
         """Return whether a robot has the wheels of the original."""
-        return any(row["kind"] == "odometry" for row in here.rows("capability"))
+        return any(row["kind"] == "odometry" for row in target.rows("capability"))
 
-    def wants(self, here: Here, choice: Choice) -> tuple[Sequence[Want], Sequence[Note]]:
-        """Return what the rows of one of its robots become."""
-        robot = _chosen(self.tables, here, choice)
-        found = [*_robot(robot, here), *_calibration(self._of(robot, "calibration"), here)]
+    def wants(self, target: Here, choice: Choice) -> Iterator[Want | Note]:
+        """Yield what the rows of one of its robots become."""
+        robot = _chosen(self.tables, target, choice)
+        yield from _robot(robot, target)
+        yield from _calibration(self._of(robot, "calibration"), target)
         for row in self._of(robot, "move_config"):
-            found += _wheels(row, here)
+            yield from _wheels(row, target)
         for row in self._of(robot, "extcmd"):
-            found += _command(row, here, self.folder)
-        found += self._others(robot)
-        return [one for one in found if isinstance(one, Want)], [one for one in found if isinstance(one, Note)]
+            yield from _command(row, target, self.folder)
+        yield from self._others(robot)
 
     def _of(self, robot: Mapping[str, Any], table: str) -> list[Mapping[str, Any]]:
         return [row for row in self.tables.get(table, ()) if row.get("robot_id") == robot["robot_id"]]
@@ -64,17 +64,15 @@ class OldDatabase(NamedTuple):
             if table == "robot":
                 for row in rows:
                     if row is not robot:
-                        yield Note(
-                            "no_place", table, short(row.get("name")), "", "one robot is taken at a time: --of names it"
-                        )
+                        yield no_place(table, short(row.get("name")), "", "one robot is taken at a time: --of names it")
             elif table in {"calibration", "move_config", "extcmd"}:
                 others = sorted({short(row.get("robot_id")) for row in rows if row.get("robot_id") not in names})
                 if others:
                     text = "rows of a robot that is not there, by which the original switched them off"
-                    yield Note("no_place", table, f"robot_id {', '.join(others)}", "", text)
+                    yield no_place(table, f"robot_id {', '.join(others)}", "", text)
             elif rows:
                 text = _WITHOUT.get(table, "the original has no such table")
-                yield Note("no_place", table, f"{len(rows)} row{'s' if len(rows) != 1 else ''}", "", text)
+                yield no_place(table, f"{len(rows)} row{'s' if len(rows) != 1 else ''}", "", text)
 
 
 def read(source: Source) -> OldData | None:
@@ -88,21 +86,21 @@ def read(source: Source) -> OldData | None:
     return OldDatabase(tables, source.folder)
 
 
-def _chosen(tables: ForeignTables, here: Here, choice: Choice) -> Mapping[str, Any]:
+def _chosen(tables: ForeignTables, target: Here, choice: Choice) -> Mapping[str, Any]:
     robots = tables["robot"]
-    model = next((row["model"] for row in here.rows("robot")), "")
+    model = next((row["model"] for row in target.rows("robot")), "")
     wanted = choice.of or (model if len(robots) > 1 else robots[0]["name"])
-    found = [row for row in robots if row["name"] == wanted]
-    if len(found) != 1:
+    named = [row for row in robots if row["name"] == wanted]
+    if len(named) != 1:
         names = ", ".join(short(row["name"]) for row in robots)
         raise InputError(f"it has the robots {names}: say which with --of NAME")
-    return found[0]
+    return named[0]
 
 
-def _robot(row: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
+def _robot(row: Mapping[str, Any], target: Here) -> Iterator[Want | Note]:
     name = short(row["name"])
     told = {column: str(row[column]) for column in ("owner",) if row.get(column)}
-    (own,) = (one["name"] for one in here.rows("robot"))
+    (own,) = (one["name"] for one in target.rows("robot"))
     yield Want("robot", {"name": own}, {"model": str(row["name"]), **told}, f"robot '{name}'")
     for column, text in (
         ("type", "every robot of that program had the same"),
@@ -111,17 +109,17 @@ def _robot(row: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
         ("last_shutdown_time", "lbr writes down its own ends"),
     ):
         if row.get(column):
-            yield Note("no_place", "robot", name, column, text)
+            yield no_place("robot", name, column, text)
 
 
-def _calibration(rows: Sequence[Mapping[str, Any]], here: Here) -> Iterator[Want | Note]:
+def _calibration(rows: Sequence[Mapping[str, Any]], target: Here) -> Iterator[Want | Note]:
     values: dict[str, float] = {}
     for row in rows:
         name, value = short(row.get("name")), row.get("value")
         if name not in _NAMES:
-            yield Note("no_place", "calibration", name, "value", "the original never read it")
+            yield no_place("calibration", name, "value", "the original never read it")
         elif not isinstance(value, int | float) or not math.isfinite(value):
-            yield Note("no_place", "calibration", name, "value", f"'{short(value)}' is not a finite number")
+            yield no_place("calibration", name, "value", f"'{short(value)}' is not a finite number")
         else:
             if name in values:
                 yield Note(
@@ -131,14 +129,14 @@ def _calibration(rows: Sequence[Mapping[str, Any]], here: Here) -> Iterator[Want
     if not values:
         return
     soft = [name for name in _SOFT if name in values]
-    kind, said = ("riox", "a RIOX") if soft else ("mpu9150", "an MPU-9150")
-    devices = [one["name"] for one in here.rows("device") if one["type"] == kind]
+    kind, unit = ("riox", "a RIOX") if soft else ("mpu9150", "an MPU-9150")
+    devices = [one["name"] for one in target.rows("device") if one["type"] == kind]
     missing = [name for name in (*_HARD, *(_SOFT if soft else ())) if name not in values]
     if missing or len(devices) != 1:
         such = f"{len(devices)} devices here are such" if devices else "no device here is such"
-        why = f"{', '.join(missing)} are missing" if missing else f"it is of {said}, and {such}"
+        why = f"{', '.join(missing)} are missing" if missing else f"it is of {unit}, and {such}"
         for name in values:
-            yield Note("no_place", "calibration", name, "value", f"{why}: /m/200 measures it here")
+            yield no_place("calibration", name, "value", f"{why}: /m/200 measures it here")
         return
     for name, value in values.items():
         key = {"device": devices[0], "name": _NAMES[name]}
@@ -149,10 +147,10 @@ def _calibration(rows: Sequence[Mapping[str, Any]], here: Here) -> Iterator[Want
     yield Note("changed", "calibration", ", ".join(values), "value", text)
 
 
-def _wheels(row: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
+def _wheels(row: Mapping[str, Any], target: Here) -> Iterator[Want | Note]:
     name = short(row.get("robot_id"))
-    odometry = [one["name"] for one in here.rows("capability") if one["kind"] == "odometry"]
-    counted = bool(here.rows("wheel"))
+    odometry = [one["name"] for one in target.rows("capability") if one["kind"] == "odometry"]
+    counted = bool(target.rows("wheel"))
     for column, setting, factor, most in (
         ("wheel_diameter", "wheel_diameter_m", 0.01, _WIDEST_CM),
         ("counts_per_rev", "counts_per_turn", 1, _MOST_COUNTS),
@@ -164,10 +162,10 @@ def _wheels(row: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
                 if value == 0
                 else f"'{short(value)}' cannot be"
             )
-            yield Note("no_place", "move_config", name, column, text)
+            yield no_place("move_config", name, column, text)
         elif len(odometry) != 1 or (counted and setting == "wheel_diameter_m"):
             text = "rows of wheel say it here" if counted else "there is no odometry here, or several"
-            yield Note("no_place", "move_config", name, column, text)
+            yield no_place("move_config", name, column, text)
         else:
             scaled = round(value * factor, 6) if factor != 1 else value
             source = f"move_config '{name}', {column}"
@@ -175,7 +173,7 @@ def _wheels(row: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
     for channel in (1, 2, 3, 4):
         column = f"m{channel}_direction"
         value = row.get(column)
-        wheel = _wheel(here, channel)
+        wheel = _wheel(target, channel)
         if not value:
             continue
         if value not in {1, -1} or wheel is None:
@@ -184,7 +182,7 @@ def _wheels(row: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
                 if value in {1, -1}
                 else f"'{short(value)}' is neither 1 nor -1"
             )
-            yield Note("no_place", "move_config", name, column, text)
+            yield no_place("move_config", name, column, text)
             continue
         motors, side = wheel
         yield Want(
@@ -196,9 +194,9 @@ def _wheels(row: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
         )
 
 
-def _wheel(here: Here, channel: int) -> tuple[str, str] | None:
+def _wheel(target: Here, channel: int) -> tuple[str, str] | None:
     """Return the capability of the motor controller, and which side is on one of its channels."""
-    for row in here.rows("capability"):
+    for row in target.rows("capability"):
         if row["kind"] == "roboteq":
             settings = loads(row["settings"])
             for side, usual in (("left", 1), ("right", 2)):
@@ -207,23 +205,23 @@ def _wheel(here: Here, channel: int) -> tuple[str, str] | None:
     return None
 
 
-def _command(row: Mapping[str, Any], here: Here, folder: str) -> Iterator[Want | Note]:
-    said, target = short(row.get("cmd_name")), str(row.get("target") or "")
-    if said in _KNOWN and any(one["name"] == _KNOWN[said] for one in here.rows("external_command")):
-        yield Note("no_place", "extcmd", said, "target", f"'{_KNOWN[said]}' is here already, as a program of lbr")
+def _command(row: Mapping[str, Any], target: Here, folder: str) -> Iterator[Want | Note]:
+    word, program = short(row.get("cmd_name")), str(row.get("target") or "")
+    if word in _KNOWN and any(one["name"] == _KNOWN[word] for one in target.rows("external_command")):
+        yield no_place("extcmd", word, "target", f"'{_KNOWN[word]}' is here already, as a program of lbr")
         return
-    path = Path(target) if os.path.isabs(target) else Path(os.path.abspath(Path(folder) / target))  # noqa: PTH100, PTH117
-    if not target or "\0" in target or not (path.is_file() and os.access(path, os.X_OK)):
-        text = f"'{short(target)}' is no program that is there: a row of external_command names one by its whole path"
-        yield Note("no_place", "extcmd", said, "target", text)
+    path = Path(program) if os.path.isabs(program) else Path(os.path.abspath(Path(folder) / program))  # noqa: PTH100, PTH117
+    if not program or "\0" in program or not (path.is_file() and os.access(path, os.X_OK)):
+        text = f"'{short(program)}' is no program that is there: a row of external_command names one by its whole path"
+        yield no_place("extcmd", word, "target", text)
         return
-    name = name_from(said, "command")
+    name = name_from(word, "command")
     for column in ("stdin", "stdout", "stderr"):
         if row.get(column) is not None:
-            yield Note("no_place", "extcmd", said, column, "output goes to the log of the command, or to the console")
+            yield no_place("extcmd", word, column, "output goes to the log of the command, or to the console")
     arguments = [part for part in str(row.get("args") or "").split(" ") if part]
     columns = {"argv": [str(path), *arguments], "blocking": bool(row.get("blocking"))}
     text = "switched off: look at what it starts, then set enabled to 1"
     yield Want(
-        "external_command", {"name": name}, columns, f"extcmd '{said}'", create=True, text=text, made={"enabled": False}
+        "external_command", {"name": name}, columns, f"extcmd '{word}'", create=True, text=text, made={"enabled": False}
     )

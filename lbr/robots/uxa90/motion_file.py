@@ -8,7 +8,7 @@ from lbr.messages.faces import Motor
 from lbr.messages.joints import Joint, KeyFrame, Motion
 from lbr.names import name_from
 from lbr.robot.motion_file import DIGITS, SHORTEST_S, RobotRows, sparse, split
-from lbr.robot.old_data import Note
+from lbr.robot.old_data import Note, no_place
 from lbr.robots.uxa90 import rbm
 from lbr.robots.uxa90.driver.messages import COUNT_RAD
 from lbr.robots.uxa90.rbm import MOST_COUNTS, RbmFile, Scene, ServoMove
@@ -61,9 +61,7 @@ def of_rbm(file: RbmFile, rows: RobotRows) -> tuple[Motion, list[Note]]:
             frames.append(_frame(begin, SHORTEST_S, joints, nominal))
         at = {move.id: move.end for move in scene.moves}
         frames.append(_frame(at, max(SHORTEST_S, scene.transition_s), joints, nominal))
-    notes.append(
-        Note("no_place", "servo", name, "gains, torque", "a motion here has no gains and no torque of its own")
-    )
+    notes.append(no_place("servo", name, "gains, torque", "a motion here has no gains and no torque of its own"))
     return Motion(name=name, frames=tuple(sparse(split(frames))), help=file.name[:200]), notes
 
 
@@ -107,23 +105,23 @@ def _unsaid(motion: Motion, beyond: Collection[str]) -> list[Note]:
     ]
     if len(motion.frames) > 1 and motion.frames[0].duration_s != BEGIN_S:
         text = f"it begins in its first pose: the {motion.frames[0].duration_s:g} s to get there have no place"
-        notes.append(Note("no_place", "scene", name, "transition", text))
+        notes.append(no_place("scene", name, "transition", text))
     if beyond:
         text = f"{', '.join(sorted(beyond))} would go beyond 0 to {MOST_COUNTS} counts, and end there"
         notes.append(Note("changed", "scene", name, "end", text))
     if motion.lead_in or motion.lead_out:
-        notes.append(Note("no_place", "motion", name, "lead_in, lead_out", "what is played before and after"))
+        notes.append(no_place("motion", name, "lead_in, lead_out", "what is played before and after"))
     return notes
 
 
 def _other_zeros(name: str, zeros: Mapping[int, int], nominal: Mapping[int, Motor]) -> list[Note]:
-    other = [
+    differing = [
         f"{servo} ({zeros[servo]}, not {row.rest})"
         for servo, row in nominal.items()
         if zeros.get(servo, row.rest) != row.rest
     ]
-    text = f"the file's zeros differ from the nominal ones, which count: servo {', '.join(other)}"
-    return [Note("no_place", "servo", name, "zero", text)] if other else []
+    text = f"the file's zeros differ from the nominal ones, which count: servo {', '.join(differing)}"
+    return [no_place("servo", name, "zero", text)] if differing else []
 
 
 def _frame(

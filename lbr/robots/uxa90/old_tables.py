@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from lbr.messages.rows import short
 from lbr.names import name_from
-from lbr.robot.old_data import Choice, Here, Note, OldData, Source, Want
+from lbr.robot.old_data import Choice, Here, Note, OldData, Source, Want, no_place
 
 LAYER = "original"
 """Of the table `motor`: what the shipped layers say stays beside it."""
@@ -22,18 +22,19 @@ class OldTables(NamedTuple):
     motors: Sequence[Mapping[str, Any]]
     motions: Sequence[Mapping[str, Any]]
 
-    def fits(self, here: Here) -> bool:
+    def fits(self, target: Here) -> bool:
         """Return whether a robot has motors by number."""
-        return bool(here.rows("motor"))
+        return bool(target.rows("motor"))
 
-    def wants(self, here: Here, choice: Choice) -> tuple[Sequence[Want], Sequence[Note]]:  # noqa: ARG002
-        """Return motors in a layer of their own, and numbers of motions."""
-        found = [one for row in self.motors for one in _motor(row)]
+    def wants(self, target: Here, choice: Choice) -> Iterator[Want | Note]:  # noqa: ARG002
+        """Yield motors in a layer of their own, and numbers of motions."""
+        for row in self.motors:
+            yield from _motor(row)
         if self.motors:
             text = f"the API shows them once web's setting layer is '{LAYER}'; joints keep their own limits"
-            found.append(Note("changed", "motor", LAYER, "layer", text))
-        found += [one for row in self.motions for one in _button(row, here)]
-        return [one for one in found if isinstance(one, Want)], [one for one in found if isinstance(one, Note)]
+            yield Note("changed", "motor", LAYER, "layer", text)
+        for row in self.motions:
+            yield from _button(row, target)
 
 
 class OldSettings(NamedTuple):
@@ -41,43 +42,35 @@ class OldSettings(NamedTuple):
 
     settings: Mapping[str, str]
 
-    def fits(self, here: Here) -> bool:
+    def fits(self, target: Here) -> bool:
         """Return whether a robot has motors by number, and with them the API."""
-        return bool(here.rows("motor"))
+        return bool(target.rows("motor"))
 
-    def wants(self, here: Here, choice: Choice) -> tuple[Sequence[Want], Sequence[Note]]:  # noqa: ARG002
-        """Return the port of the API."""
-        wants: list[Want] = []
-        notes: list[Note] = []
-        web = [row["name"] for row in here.rows("capability") if row["kind"] == "web"]
+    def wants(self, target: Here, choice: Choice) -> Iterator[Want | Note]:  # noqa: ARG002
+        """Yield the port of the API."""
+        web = [row["name"] for row in target.rows("capability") if row["kind"] == "web"]
         for name, value in self.settings.items():
-            if (
-                name == "PORT"
-                and len(web) == 1
-                and value.isascii()
-                and value.isdecimal()
-                and int(value) <= _HIGHEST_PORT
-            ):
-                wants.append(Want("capability", {"name": web[0]}, {"settings.port": int(value)}, "PORT"))
-            elif name == "PORT":
-                notes.append(
-                    Note("no_place", "settings", name, "", f"'{short(value)}' is no port, or there is no web server")
-                )
+            if name != "PORT":
+                yield no_place("settings", short(name), "", "nothing here is set by it")
+            elif len(web) == 1 and value.isascii() and value.isdecimal() and int(value) <= _HIGHEST_PORT:
+                yield Want("capability", {"name": web[0]}, {"settings.port": int(value)}, "PORT")
             else:
-                notes.append(Note("no_place", "settings", short(name), "", "nothing here is set by it"))
-        return wants, notes
+                yield no_place("settings", name, "", f"'{short(value)}' is no port, or there is no web server")
 
 
 def read(source: Source) -> OldData | None:
     """Return tables: what `GET /motor` or `GET /motion` answered, a list of such rows, or both by their names."""
-    found = source.json
-    if isinstance(found, dict) and isinstance(found.get("data"), list):
-        found = found["data"]
-    if isinstance(found, list):
-        found = {"motors": _like(found, _MOTOR), "motions": [] if _like(found, _MOTOR) else _like(found, _MOTION)}
-    if not isinstance(found, dict):
+    content = source.json
+    if isinstance(content, dict) and isinstance(content.get("data"), list):
+        content = content["data"]
+    if isinstance(content, list):
+        content = {
+            "motors": _like(content, _MOTOR),
+            "motions": [] if _like(content, _MOTOR) else _like(content, _MOTION),
+        }
+    if not isinstance(content, dict):
         return None
-    motors, motions = (found.get(name) or [] for name in ("motors", "motions"))
+    motors, motions = (content.get(name) or [] for name in ("motors", "motions"))
     if not (motors or motions) or _like(motors, _MOTOR) != motors or _like(motions, _MOTION) != motions:
         return None
     return OldTables(motors, motions)
@@ -109,12 +102,8 @@ def _motor(row: Mapping[str, Any]) -> Iterator[Want | Note]:
     number = row["id"]
     default = row["default"]
     if not all(_whole(row[name]) for name in ("id", "min", "max", "default")) or not row["min"] < row["max"]:
-        yield Note(
-            "no_place",
-            "motor",
-            short(number),
-            "min, max",
-            "they are no whole numbers, or the first is not below the second",
+        yield no_place(
+            "motor", short(number), "min, max", "they are no whole numbers, or the first is not below the second"
         )
         return
     columns = {
@@ -128,26 +117,26 @@ def _motor(row: Mapping[str, Any]) -> Iterator[Want | Note]:
     }
     yield Want("motor", {"layer": LAYER, "id": number}, columns, f"motor '{short(number)}'", create=True)
     for column in sorted(set(row) - {"id", "name", "description", "position", "min", "max", "default", "inverted"}):
-        yield Note("no_place", "motor", short(number), short(column), "the original has no such column")
+        yield no_place("motor", short(number), short(column), "the original has no such column")
 
 
-def _button(row: Mapping[str, Any], here: Here) -> Iterator[Want | Note]:
+def _button(row: Mapping[str, Any], target: Here) -> Iterator[Want | Note]:
     number, name = row["id"], row["name"]
     if not _whole(number) or not isinstance(name, str) or not isinstance(row["button"], str):
-        yield Note("no_place", "motion", short(number), "", "its number is no number, or its name no text")
+        yield no_place("motion", short(number), "", "its number is no number, or its name no text")
         return
-    known = {one["id"]: one for one in here.rows("button")}
+    known = {button["id"]: button for button in target.rows("button")}
     same = known.get(number)
     if same is not None and (same["name"], same["button"]) == (name, row["button"]):
         motion = same["motion"]
-    elif any(one["name"] == name_from(name, "motion") for one in here.rows("motion")):
+    elif any(motion["name"] == name_from(name, "motion") for motion in target.rows("motion")):
         motion = name_from(name, "motion")
     else:
         text = (
             f"there is no motion '{short(name)}' here: enter a row of motion with slot {short(number)} and the time that "
             "the main board takes for it, then take this again"
         )
-        yield Note("no_place", "motion", short(number), "name", text)
+        yield no_place("motion", short(number), "name", text)
         return
     columns = {"name": name, "button": row["button"], "motion": motion}
     yield Want("button", {"id": number}, columns, f"motion '{short(number)}'", create=True)

@@ -72,7 +72,17 @@ def parse(content: bytes) -> RbmFile:
 
 def write(file: RbmFile) -> bytes:
     """Return a file that says this, with gains of 30, 10 and 0 for every servo; a colon in a name is left out."""
-    header = [1, len(file.serial), file.serial, _said(file.author), "", len(_said(file.name)), _said(file.name), 1, 4]
+    header = [
+        1,
+        len(file.serial),
+        file.serial,
+        _without_colons(file.author),
+        "",
+        len(_without_colons(file.name)),
+        _without_colons(file.name),
+        1,
+        4,
+    ]
     header += [len(file.scenes), 2, len(file.zeros), 0]
     servos = [part for servo, zero in file.zeros.items() for part in (servo, *GAINS, 0, zero)]
     scenes = [
@@ -80,8 +90,8 @@ def write(file: RbmFile) -> bytes:
         for number, scene in enumerate(file.scenes)
         for part in (
             number,
-            len(_said(scene.name)),
-            _said(scene.name),
+            len(_without_colons(scene.name)),
+            _without_colons(scene.name),
             scene.frames,
             round(scene.transition_s * 1000),
             *(each for move in scene.moves for each in (0, move.id, move.start, move.end, move.torque, 0)),
@@ -90,7 +100,7 @@ def write(file: RbmFile) -> bytes:
     return (":".join(map(str, (*header, *servos, *scenes))) + ":").encode("latin-1", "replace")
 
 
-def _said(text: str) -> str:
+def _without_colons(text: str) -> str:
     return text.replace(":", "").strip()
 
 
@@ -145,29 +155,29 @@ class _Fields:
         self._number += 1
         return found
 
-    def text(self, length: int, what: str) -> str:
+    def text(self, length: int, field_name: str) -> str:
         """Return a field of this many characters, which may have colons of its own; one of another length ends at a
         colon."""
         end = self._at + length
         if self._text[end : end + 1] not in {":", ""}:
-            return self.until_colon(what)
-        found = self._text[self._at : end]
-        if len(found) < length:
-            raise InputError(f"the file ends within field {self._number + 1} ({self.where}, {what})")
+            return self.until_colon(field_name)
+        field = self._text[self._at : end]
+        if len(field) < length:
+            raise InputError(f"the file ends within field {self._number + 1} ({self.where}, {field_name})")
         self._at = end + 1
         self._number += 1
-        return found
+        return field
 
-    def whole(self, what: str, least: int, most: int) -> int:
+    def whole(self, field_name: str, least: int, most: int) -> int:
         """Return a whole number within bounds."""
-        text = self.until_colon(what)
-        found = _WHOLE.fullmatch(text)
-        if found is None or not least <= int(found[1]) <= most:
+        text = self.until_colon(field_name)
+        digits = _WHOLE.fullmatch(text)
+        if digits is None or not least <= int(digits[1]) <= most:
             said = "".join(c if c.isascii() and c.isprintable() else "?" for c in text[:20])
             raise InputError(
-                f"field {self._number} ({self.where}, {what}): '{said}' is not a whole number from {least} to {most}"
+                f"field {self._number} ({self.where}, {field_name}): '{said}' is not a whole number from {least} to {most}"
             )
-        return int(found[1])
+        return int(digits[1])
 
     def end(self) -> None:
         """Raise InputError if there is more."""

@@ -12,11 +12,11 @@ from lbr.apps.web.robot import Robot
 from lbr.messages.drive import DriveCommand, GoalResult, HeadingCommand, TurnCommand
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.robots.lbr.original import wishes
-from lbr.robots.lbr.original.driving import Driver, Who
+from lbr.robots.lbr.original.driving import Client, Driver
 from lbr.testing import FakeContext
 
 ROUND_S = 0.02
-ME, OTHER = Who("this machine", "", "python-requests"), Who("10.0.0.7", "phone", "app")
+ME, OTHER = Client("this machine", "", "python-requests"), Client("10.0.0.7", "phone", "app")
 AHEAD, BACK = {"level": 0.3, "angle": 0}, {"level": 0.3, "angle": 180}
 TIMED, TURN = {"level": 0.3, "angle": 0, "duration": 5}, {"turn": 90}
 
@@ -67,9 +67,9 @@ class Bench:
         self.robot = Robot(self.ctx, self.bridge, None, None)  # type: ignore[arg-type]
         self.driver = Driver(self.robot, 1.5, 10.0)
 
-    def ask(self, body: Any, who: Who = ME) -> Any:
+    def ask(self, body: Any, client: Client = ME) -> Any:
         asked = wishes.asked(json.dumps(body).encode())
-        work = self.driver.stop(who, "stopped") if asked.stop else self.driver.move(who, asked)
+        work = self.driver.stop(client, "stopped") if asked.stop else self.driver.move(client, asked)
         promise = self.robot.start(work)
         self.run()
         return promise.result(0)
@@ -114,7 +114,8 @@ def test_a_client_drives_for_as_long_as_it_is_heard_and_not_longer(bench):
 
 
 @pytest.mark.parametrize(
-    "asker", [OTHER, Who("this machine", "", "curl"), Who("this machine", "phone", ""), Who("10.0.0.7", "", ME.agent)]
+    "asker",
+    [OTHER, Client("this machine", "", "curl"), Client("this machine", "phone", ""), Client("10.0.0.7", "", ME.agent)],
 )
 def test_another_client_keeps_nothing_alive(bench, asker):
     bench.ask(AHEAD)
@@ -125,11 +126,11 @@ def test_another_client_keeps_nothing_alive(bench, asker):
 
 
 def test_a_token_is_known_again_and_so_is_its_program_without_it(bench):
-    who = Who("10.0.0.7", "fsm", "python-requests")
-    assert who.is_heard_by(Who("10.0.0.7", "fsm", "curl"))
-    assert who.is_heard_by(Who("10.0.0.7", "", "python-requests"))
-    assert not who.is_heard_by(Who("10.0.0.7", "", "Mozilla/5.0"))
-    assert not who.is_heard_by(Who("10.0.0.7", "iot", "python-requests"))
+    client = Client("10.0.0.7", "fsm", "python-requests")
+    assert client.is_heard_by(Client("10.0.0.7", "fsm", "curl"))
+    assert client.is_heard_by(Client("10.0.0.7", "", "python-requests"))
+    assert not client.is_heard_by(Client("10.0.0.7", "", "Mozilla/5.0"))
+    assert not client.is_heard_by(Client("10.0.0.7", "iot", "python-requests"))
 
 
 def test_the_same_again_is_a_sign_of_life_and_begins_nothing_new(bench):
@@ -303,8 +304,8 @@ def test_what_came_before_a_stop_and_is_read_after_it_moves_nothing(bench):
     """What came before a stop, and is read after it, moves nothing"""
     ahead = wishes.asked(json.dumps(AHEAD).encode())
 
-    def moves(who: Who, came_s: float) -> str:
-        promise = bench.robot.start(bench.driver.move(who, ahead, came_s))
+    def moves(client: Client, came_s: float) -> str:
+        promise = bench.robot.start(bench.driver.move(client, ahead, came_s))
         bench.run()
         try:
             promise.result(0)

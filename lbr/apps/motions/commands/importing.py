@@ -149,9 +149,11 @@ def _planned(
                 motions += some
                 notes += more
             elif file.data is not None:
-                wanted, why = file.data.wants(present, choice)
-                wants += wanted
-                notes += why
+                for wish in file.data.wants(present, choice):
+                    if isinstance(wish, Want):
+                        wants.append(wish)
+                    else:
+                        notes.append(wish)
         except InputError as err:
             raise InputError(f"{file.path}: {err}") from err
     first, _ = shipped()

@@ -102,10 +102,10 @@ def decide(state: State, event: Event, now: float) -> tuple[State, Outputs]:
     """Return the state after an event and what is to be done; whatever is over by `now` ends before the event
     counts."""
     if now >= state.clock:
-        held, said = ending.lapse(state.leases, now)
+        held, ends = ending.lapse(state.leases, now)
     else:
-        held, said = ending.lose_time(state.leases, BACK, state.clock, now)
-    state, outputs = _told(replace(state, leases=held, clock=now), said, now)
+        held, ends = ending.lose_time(state.leases, BACK, state.clock, now)
+    state, outputs = _ended(replace(state, leases=held, clock=now), ends, now)
     state, more = _handle(state, event, now)
     return state, outputs + more
 
@@ -115,17 +115,17 @@ def _handle(state: State, event: Event, now: float) -> tuple[State, Outputs]:
         case Seek():
             return _seek(state, event, now)
         case Stop():
-            held, said = leasing.stop(state.leases, event, now)
-            state, outputs = _told(replace(state, leases=held), said, now, by=event.by or event.source)
+            held, ends = leasing.stop(state.leases, event, now)
+            state, outputs = _ended(replace(state, leases=held), ends, now, by=event.by or event.source)
             return state, (*outputs, leasing.STOPPED)
         case EstopChanged():
-            held, said = leasing.latch(state.leases, event, now)
-            return _told(replace(state, leases=held), said, now)
+            held, ends = leasing.latch(state.leases, event, now)
+            return _ended(replace(state, leases=held), ends, now)
         case Over(goal=goal, how=how, why=why):
             if state.lease is None or state.lease.motion.goal != goal:
                 return state, ()
-            held, said = ending.end(state.leases, how, why, now)
-            return _told(replace(state, leases=held), said, now)
+            held, ends = ending.end(state.leases, how, why, now)
+            return _ended(replace(state, leases=held), ends, now)
     return state, ()
 
 
@@ -140,23 +140,23 @@ def _seek(state: State, event: Seek, now: float) -> tuple[State, Outputs]:
         return replace(state, leases=held), (leasing.accepted(lease, goal=lease.motion.goal),)
     goal = ask.confirms.motion.goal if ask.confirms is not None else event.new_goal
     seeking = Seeking(goal=goal, manoeuvre=event.manoeuvre, started=now)
-    held, said = leasing.grant(state.leases, ask, seeking)
-    state, outputs = _told(replace(state, leases=held), said, now)
+    held, ends = leasing.grant(state.leases, ask, seeking)
+    state, outputs = _ended(replace(state, leases=held), ends, now)
     begin: Outputs = () if ask.wants == "offer" else (Begin(seeking=seeking),)
     return state, (*outputs, *begin, leasing.accepted(leasing.lent(held, ask), goal=goal))
 
 
-def _told(state: State, said: ending.Said[Seeking], now: float, *, by: str = "") -> tuple[State, Outputs]:
+def _ended(state: State, ends: ending.Said[Seeking], now: float, *, by: str = "") -> tuple[State, Outputs]:
     """Return what follows from the end of leases."""
     outputs: Outputs = ()
-    for one in said:
-        if isinstance(one, Happened):
-            outputs += (one,)
+    for ended in ends:
+        if isinstance(ended, Happened):
+            outputs += (ended,)
             continue
-        if one.held:
-            state = replace(state, why=one.why)
-            outputs += (Halt(why=one.why.text, lost=one.how == "lapsed", by=by),)
-        outputs += (_result(one, now),)
+        if ended.held:
+            state = replace(state, why=ended.why)
+            outputs += (Halt(why=ended.why.text, lost=ended.how == "lapsed", by=by),)
+        outputs += (_result(ended, now),)
     return state, outputs
 
 

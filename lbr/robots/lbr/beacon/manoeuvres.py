@@ -75,11 +75,11 @@ _DONE: dict[Manoeuvre, str] = {
 
 def _follow(settings: BeaconSettings, memory: Memory) -> Script[Ending]:
     """Come to stand at the contacts, and note where the beams were."""
-    found = yield from follow(settings.docked_back_cm / 100)
-    memory.aside = found.aside
-    if found.aside:
-        memory.side = "right" if found.aside > 0.0 else "left"
-    return Ending(good=found.touched, text=found.why or _DONE["follow"], code=found.code)
+    followed = yield from follow(settings.docked_back_cm / 100)
+    memory.aside = followed.aside
+    if followed.aside:
+        memory.side = "right" if followed.aside > 0.0 else "left"
+    return Ending(good=followed.touched, text=followed.why or _DONE["follow"], code=followed.code)
 
 
 def _withdraw(settings: BeaconSettings, aside: float) -> Script[None]:
@@ -91,7 +91,7 @@ def _withdraw(settings: BeaconSettings, aside: float) -> Script[None]:
 
 def _roam() -> Script[None]:
     """Turn once around, then go towards the most room; where the body cannot turn to is left out."""
-    found: list[tuple[float, float]] = []
+    ways: list[tuple[float, float]] = []
     began_deg = (yield STAND).direction_deg
     for number in range(round(360.0 / ROAM_DEG)):
         towards_deg = shortest(began_deg + number * ROAM_DEG)
@@ -103,10 +103,10 @@ def _roam() -> Script[None]:
             continue
         view = yield from wait(ROAM_LOOK_S)
         if view.forward_m is not None:
-            found.append((view.forward_m, towards_deg))
-    if not found:
+            ways.append((view.forward_m, towards_deg))
+    if not ways:
         raise GivenUpError("there is no room to any side", "obstacle")
-    room_m, towards_deg = max(found)
+    room_m, towards_deg = max(ways)
     yield from face(towards_deg)
     yield from bounded(Go(POWER, round(min(ROAM_M, max(0.1, room_m - FREE_M)), 2)))
 

@@ -34,7 +34,7 @@ TARGETS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Who:
+class Client:
     """A client: its address, the token it shows if it does, and by what its program calls itself."""
 
     address: str
@@ -42,11 +42,11 @@ class Who:
     agent: str
 
     @classmethod
-    def of(cls, request: Request) -> "Who":
+    def of(cls, request: Request) -> "Client":
         """Return the client."""
         return cls(names.peer_name(request.client.address), request.client.name, request.headers.get("user-agent", ""))
 
-    def is_heard_by(self, asker: "Who") -> bool:
+    def is_heard_by(self, asker: "Client") -> bool:
         """Return whether a request is a sign of life of this client: its own token, or none and the same program."""
         if asker.address != self.address:
             return False
@@ -59,8 +59,8 @@ class Who:
 class Hold:
     """The motion of the base now, its client, and when that was heard."""
 
-    def __init__(self, who: Who, motion: Motion, lease: LeaseClient, heartbeat: Heartbeat) -> None:
-        self.who = who
+    def __init__(self, client: Client, motion: Motion, lease: LeaseClient, heartbeat: Heartbeat) -> None:
+        self.client = client
         self.motion = motion
         self.lease = lease
         self.heartbeat = heartbeat
@@ -77,21 +77,21 @@ class Driver:
         self._asking = False
         self._given_up = (0, "")  # how often, and why
         self._stopped_s = -inf
-        self._rests: tuple[Who, float] | None = None
+        self._rests: tuple[Client, float] | None = None
         self.begun = -inf
         """When a motion was accepted last."""
 
     @property
     def holder(self) -> str:
         """Return for whom the base moves; empty for nobody."""
-        return str(self._hold.who) if self._hold is not None else ""
+        return str(self._hold.client) if self._hold is not None else ""
 
-    def beat(self, who: Who) -> None:
+    def beat(self, client: Client) -> None:
         """Take note that a client lives."""
-        if self._hold is not None and self._hold.who.is_heard_by(who):
+        if self._hold is not None and self._hold.client.is_heard_by(client):
             self._hold.heartbeat.beat(self._robot.now())
 
-    async def move(self, who: Who, asked: Asked, came_s: float = inf) -> None:
+    async def move(self, client: Client, asked: Asked, came_s: float = inf) -> None:
         """Move like this from now on; return once the drive has accepted it, else raise Refused with the reason.
 
         A request from before a stop that is read only now begins nothing; `came_s` is its arrival.
@@ -100,27 +100,27 @@ class Driver:
         before = self._given_up
         if came_s <= self._stopped_s:
             raise Refused(409, before[1], code="stopped")
-        self._refuse_unrested(who)
+        self._refuse_unrested(client)
         await until(lambda: not self._asking or self._given_up != before)
         self._refuse_given_up(before)
         hold = self._hold
-        if hold is not None and not hold.who.is_heard_by(who):
-            raise Refused(409, f"held by {hold.who}; stop it first", code="held")
+        if hold is not None and not hold.client.is_heard_by(client):
+            raise Refused(409, f"held by {hold.client}; stop it first", code="held")
         if hold is not None and hold.motion == asked.motion and hold.lease.holds:
             hold.heartbeat.beat(self._robot.now())
             return
         self._asking = True
         try:
-            await self._ask(who, asked.motion, self._heartbeat(bounded=asked.bounded), before)
+            await self._ask(client, asked.motion, self._heartbeat(bounded=asked.bounded), before)
             self.begun = self._robot.now()
         finally:
             self._asking = False
 
-    async def stop(self, who: Who, why: str, came_s: float = inf) -> None:
+    async def stop(self, client: Client, why: str, came_s: float = inf) -> None:
         """Stop whatever moves, whoever moves it; return once that was acknowledged, else raise Refused."""
-        if self._rests is not None and self._rests[0].is_heard_by(who):
+        if self._rests is not None and self._rests[0].is_heard_by(client):
             self._rests = None
-        self.give_up(why, who, came_s)
+        self.give_up(why, client, came_s)
         asked = self._robot.ctx.ask("halt", StopCommand(reason=why[:200], whole=True), STOP_S)
         await until(lambda: asked.answers() is not None)
         answers = asked.answers() or {}
@@ -132,12 +132,12 @@ class Driver:
             if not answer.accepted:
                 raise Refused(409, answer.why)
 
-    def stop_own(self, who: Who, why: str) -> None:
+    def stop_own(self, client: Client, why: str) -> None:
         """Stop what moves for a client."""
-        if self._hold is not None and self._hold.who.is_heard_by(who):
-            self.give_up(why, who)
+        if self._hold is not None and self._hold.client.is_heard_by(client):
+            self.give_up(why, client)
 
-    def give_up(self, why: str, by: Who | None = None, came_s: float = inf) -> None:
+    def give_up(self, why: str, by: Client | None = None, came_s: float = inf) -> None:
         """Move nothing any more, also not what was asked for and has not begun; `by` is the client that says so."""
         self._given_up = (self._given_up[0] + 1, why)
         self._stopped_s = max(self._stopped_s, min(came_s, self._robot.now()))
@@ -145,8 +145,8 @@ class Driver:
         if hold is None:
             return
         hold.lease.release(why)
-        if by is None or not hold.who.is_heard_by(by):
-            self._rests = hold.who, self._robot.now() + REST_S
+        if by is None or not hold.client.is_heard_by(by):
+            self._rests = hold.client, self._robot.now() + REST_S
 
     def step(self, now: float) -> None:
         """Read the answers, renew, and stop what nobody wants any more."""
@@ -162,25 +162,25 @@ class Driver:
         elif ended is not None and not self._asking:
             self._hold = None
             if ended.code in STOPPED:
-                self._rests = hold.who, now + REST_S
+                self._rests = hold.client, now + REST_S
         else:
             hold.lease.keep(_timed(hold.motion))
 
     def _lose(self, hold: Hold, now: float) -> None:
-        why = f"its client {hold.who} was silent for {hold.heartbeat.silent_s(now):.1f} s"
+        why = f"its client {hold.client} was silent for {hold.heartbeat.silent_s(now):.1f} s"
         self._given_up = (self._given_up[0] + 1, why)
         self._hold = None
         if hold.lease.ended is None:
             hold.lease.release(why, lost=True)
             self._robot.ctx.event("client_lost", f"the base was stopped: {why}", level="warning", code="holder_gone")
 
-    async def _ask(self, who: Who, motion: Motion, heartbeat: Heartbeat, before: tuple[int, str]) -> None:
+    async def _ask(self, client: Client, motion: Motion, heartbeat: Heartbeat, before: tuple[int, str]) -> None:
         """Begin, or go on under the lease there is; what ended just then is begun again."""
         why: Reason | None = None
         for _ in range(MOST_TRIES):
             hold = self._hold
             changes = hold is not None and hold.lease.holds
-            why = await (self._change if changes else self._begin)(who, motion, heartbeat)
+            why = await (self._change if changes else self._begin)(client, motion, heartbeat)
             self._refuse_given_up(before)
             if why is None or not (changes and why.code in {"dead_lease", "done"}):
                 break
@@ -188,9 +188,9 @@ class Driver:
         if why is not None and why.code != "done":  # what is there already needs no motion
             raise Refused(503 if why.code in {"unreachable", "wiring"} else 409, why)
 
-    async def _begin(self, who: Who, motion: Motion, heartbeat: Heartbeat) -> Reason | None:
+    async def _begin(self, client: Client, motion: Motion, heartbeat: Heartbeat) -> Reason | None:
         lease = LeaseClient(self._robot.ctx, TARGETS[PORTS[type(motion)]], _timed(motion))
-        hold = self._hold = Hold(who, motion, lease, heartbeat)
+        hold = self._hold = Hold(client, motion, lease, heartbeat)
         await until(lambda: self._hold is not hold or _answered(lease))
         if lease.accepted is not None:
             return None
@@ -198,7 +198,7 @@ class Driver:
             self._hold = None
         return lease.ended or Reason("cancelled", "it was given up")
 
-    async def _change(self, who: Who, motion: Motion, heartbeat: Heartbeat) -> Reason | None:
+    async def _change(self, client: Client, motion: Motion, heartbeat: Heartbeat) -> Reason | None:
         """Quote the lease for another motion; whatever is refused ends what moves."""
         assert self._hold is not None
         assert self._hold.lease.accepted is not None
@@ -206,7 +206,7 @@ class Driver:
         lease = LeaseClient(self._robot.ctx, TARGETS[PORTS[type(motion)]], given=held)
         asked = lease.send(_timed(motion))
         assert asked is not None
-        hold = self._hold = Hold(who, motion, lease, heartbeat)
+        hold = self._hold = Hold(client, motion, lease, heartbeat)
         await until(lambda: self._hold is not hold or asked.answers() is not None)
         reply = next(iter((asked.answers() or {}).values()), None)
         if self._hold is not hold:
@@ -218,7 +218,7 @@ class Driver:
         if reply.code == "dead_lease" and reply.cause not in STOPPED:
             return Reason("dead_lease", reply.why.text)
         if reply.code == "dead_lease":
-            self._rests = who, self._robot.now() + REST_S
+            self._rests = client, self._robot.now() + REST_S
         lease.step()  # it halts what is not wanted any more
         self._hold = None
         return reply.why
@@ -230,9 +230,9 @@ class Driver:
         if self._given_up != before:
             raise Refused(409, self._given_up[1], code="stopped")
 
-    def _refuse_unrested(self, who: Who) -> None:
+    def _refuse_unrested(self, client: Client) -> None:
         """Refuse to begin again for a client that goes on asking although another has stopped what it moved."""
-        if self._rests is None or not self._rests[0].is_heard_by(who):
+        if self._rests is None or not self._rests[0].is_heard_by(client):
             return
         now = self._robot.now()
         if now >= self._rests[1]:

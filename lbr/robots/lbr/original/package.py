@@ -31,20 +31,20 @@ def package(
     telemetry: Received | None, ranges: Received | None, now: float, wall: float, over_range_cm: int
 ) -> dict[str, Any]:
     """Return what is known, `now` by the clock that messages are dated by and `wall` in seconds since 1970."""
-    found: dict[str, Any] = {}
+    telling: dict[str, Any] = {}
     if ranges is not None:
         age_s = ranges.age_s(now)
-        found["Ranges"] = _ranges(ranges.message, over_range_cm, fresh=age_s <= STALE_S)
-        found["Timestamp"] = round(wall - age_s, 3)
+        telling["Ranges"] = _ranges(ranges.message, over_range_cm, fresh=age_s <= STALE_S)
+        telling["Timestamp"] = round(wall - age_s, 3)
     if telemetry is None:
-        return found
+        return telling
     parts: Telemetry = telemetry.message
     more_s = telemetry.age_s(now)
 
     def add(name: str, part: Any, make: Callable[[Any, float], Any]) -> None:
         made = make(part, round(wall - more_s - part.age_s, 3)) if part is not None else None
         if made is not None:
-            found[name] = made
+            telling[name] = made
 
     add("MPU", parts.imu, _mpu)
     add("amperages", parts.amperages, _amperages)
@@ -53,10 +53,10 @@ def package(
     add("voltages", parts.voltages, _voltages)
     if parts.dock_signal is not None:
         seen, at = parts.dock_signal, wall - more_s - parts.dock_signal.age_s
-        found["dockSignal"] = {"time": round(at, 3), "left": int(seen.left), "right": int(seen.right)}
+        telling["dockSignal"] = {"time": round(at, 3), "left": int(seen.left), "right": int(seen.right)}
     if parts.cameras is not None:
-        found["cameras"] = cameras(telemetry)
-    return found
+        telling["cameras"] = cameras(telemetry)
+    return telling
 
 
 def lasting(before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, Any]:
@@ -78,14 +78,14 @@ def cameras(telemetry: Received | None) -> dict[str, Any]:
     return {**there, "off": dict(OFF)}
 
 
-def with_beams(found: dict[str, Any], seen: Mapping[str, float], wall: float) -> dict[str, Any]:
+def with_beams(telemetry: dict[str, Any], seen: Mapping[str, float], wall: float) -> dict[str, Any]:
     """Return the package with what others have seen of the dock: how long ago each beam, in seconds."""
     if not seen:
-        return found
-    signal = found.get("dockSignal", {"left": 0, "right": 0, "time": 0.0})
+        return telemetry
+    signal = telemetry.get("dockSignal", {"left": 0, "right": 0, "time": 0.0})
     newest = round(wall - min(seen.values()), 3)
     merged = {name: 1 if name in seen else signal[name] for name in ("left", "right")}
-    return {**found, "dockSignal": {"time": max(newest, signal["time"]), **merged}}
+    return {**telemetry, "dockSignal": {"time": max(newest, signal["time"]), **merged}}
 
 
 def _lasting_imu(before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, Any]:

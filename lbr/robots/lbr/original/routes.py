@@ -21,7 +21,7 @@ from lbr.messages.dock import DockHeard
 from lbr.messages.speech import SayCommand
 from lbr.messages.system import Role
 from lbr.robots.lbr.original import wishes
-from lbr.robots.lbr.original.driving import Driver, Who
+from lbr.robots.lbr.original.driving import Client, Driver
 from lbr.robots.lbr.original.package import cameras, lasting, package, with_beams
 from lbr.robots.lbr.original.wishes import Asked, NotFiniteError
 
@@ -102,30 +102,30 @@ class LbrOriginalFace(web.Face):
         One of heading, turn, or level with angle, and range, sensor, duration; speech besides. Where something is
         refused, the answer has `refused` besides the telemetry.
         """
-        who = Who.of(request)
+        client = Client.of(request)
         if not _may_stop(request):
             _require(request, "operate")
         try:
             asked = wishes.asked(body)
         except InputError as err:
             if isinstance(err, NotFiniteError):
-                self._driver.stop_own(who, str(err))
+                self._driver.stop_own(client, str(err))
             return self._answered(Refused(400, str(err), code=err.code))
         if not asked.stop:
             _require(request, "operate")
         try:
-            await self._do(request, who, asked)
+            await self._do(request, client, asked)
         except Refused as err:
             return self._answered(err)
         return self._answered()
 
-    async def _do(self, request: Request, who: Who, asked: Asked) -> None:
+    async def _do(self, request: Request, client: Client, asked: Asked) -> None:
         if asked.stop:
-            await self._driver.stop(who, f"stopped by {who}", request.came_s)
+            await self._driver.stop(client, f"stopped by {client}", request.came_s)
         elif asked.motion is not None:
-            await self._driver.move(who, asked, request.came_s)
+            await self._driver.move(client, asked, request.came_s)
         else:
-            self._driver.beat(who)
+            self._driver.beat(client)
         if asked.speech:
             _require(request, "operate")
             await self._speak(asked.speech)
@@ -186,7 +186,7 @@ class LbrOriginalFace(web.Face):
     async def _telemetry(self, request: Request) -> Annotated[Text, NOT_VALID]:
         """All that is known, in the names of old."""
         if request.method == "GET":
-            self._driver.beat(Who.of(request))
+            self._driver.beat(Client.of(request))
             await self._catch_up()
         return web.text(msgspec.json.encode(self._package()).decode())
 

@@ -53,25 +53,25 @@ class Asked(Struct, frozen=True, kw_only=True):
 def decoded(body: bytes) -> Any:
     """Return what a body says; InputError for what is not JSON. NaN and infinite numbers are read as such."""
     try:
-        found = json.loads(keyed_once(body))
-        json.dumps(found, ensure_ascii=False).encode()  # half a character is JSON, but no text
+        content = json.loads(keyed_once(body))
+        json.dumps(content, ensure_ascii=False).encode()  # half a character is JSON, but no text
     except UnicodeEncodeError:
         raise InputError("the body has text that is no Unicode") from None
     except (ValueError, RecursionError) as err:  # a ValidationError is a ValueError
         raise InputError(f"the body is not JSON: {str(err)[:120]}") from None
-    return found
+    return content
 
 
 def asked(body: bytes) -> Asked:
     """Return what a request to `/` asks for; InputError says what is wrong with it."""
-    said = _mapping(decoded(body))
-    speech = _speech(said["speech"]) if _is_there(said, "speech") else ""
-    if _is_there(said, "heading"):
-        return Asked(motion=_heading(said), speech=speech)
-    if _is_there(said, "turn"):
-        return Asked(motion=_turn(said), speech=speech)
-    if _is_there(said, "level"):
-        motion = _drive(said)
+    fields = _mapping(decoded(body))
+    speech = _speech(fields["speech"]) if _is_there(fields, "speech") else ""
+    if _is_there(fields, "heading"):
+        return Asked(motion=_heading(fields), speech=speech)
+    if _is_there(fields, "turn"):
+        return Asked(motion=_turn(fields), speech=speech)
+    if _is_there(fields, "level"):
+        motion = _drive(fields)
         return Asked(motion=motion, stop=motion is None, speech=speech)
     if not speech:
         raise InputError(NOTHING)
@@ -98,31 +98,31 @@ def beams(body: bytes) -> dict[str, bool]:
     return found
 
 
-def _heading(said: Mapping[str, Any]) -> HeadingCommand:
-    heading_deg = round(_number(said, "heading"), 1)
+def _heading(fields: Mapping[str, Any]) -> HeadingCommand:
+    heading_deg = round(_number(fields, "heading"), 1)
     if not 0.0 <= heading_deg <= 360.0:
         raise InputError(f"heading {heading_deg:g} is outside 0 to 360")
     return HeadingCommand(heading_deg=heading_deg)
 
 
-def _turn(said: Mapping[str, Any]) -> TurnCommand:
-    angle_deg = round(_number(said, "turn"), 1)
+def _turn(fields: Mapping[str, Any]) -> TurnCommand:
+    angle_deg = round(_number(fields, "turn"), 1)
     if not -360.0 <= angle_deg <= 360.0:
         raise InputError(f"turn {angle_deg:g} is outside -360 to 360")
     return TurnCommand(angle_deg=angle_deg)
 
 
-def _drive(said: Mapping[str, Any]) -> DriveCommand | None:
+def _drive(fields: Mapping[str, Any]) -> DriveCommand | None:
     """Return how to drive; None for standing still, which a level below 0 is as well."""
-    if isinstance(said["level"], str):
+    if isinstance(fields["level"], str):
         raise InputError("level must be a number, not a text")
-    level = round(min(1.0, _number(said, "level")), 2)
+    level = round(min(1.0, _number(fields, "level")), 2)
     if not level > 0.0:
         return None
-    if not _is_there(said, "angle"):
+    if not _is_there(fields, "angle"):
         raise InputError("level needs an angle: 0 is ahead, 90 right, 180 back, 270 left")
-    angle_deg = fmod(_whole(said, "angle"), 360.0)
-    range_cm, interval_s = _bound(said, "range"), _bound(said, "duration")
+    angle_deg = fmod(_whole(fields, "angle"), 360.0)
+    range_cm, interval_s = _bound(fields, "range"), _bound(fields, "duration")
     if not (range_cm or interval_s):
         return DriveCommand(power=level, angle_deg=angle_deg)
     if interval_s > LONGEST_S:
@@ -131,15 +131,15 @@ def _drive(said: Mapping[str, Any]) -> DriveCommand | None:
         power=level,
         angle_deg=angle_deg,
         range_cm=float(min(max(range_cm, NEAREST_CM), FARTHEST_CM)) if range_cm else 0.0,
-        sensor=_sensor(said),
+        sensor=_sensor(fields),
         interval_s=float(interval_s),
     )
 
 
-def _sensor(said: Mapping[str, Any]) -> str:
-    if not _is_there(said, "sensor"):
+def _sensor(fields: Mapping[str, Any]) -> str:
+    if not _is_there(fields, "sensor"):
         return "forward"
-    name = str(said["sensor"]).strip().lower()
+    name = str(fields["sensor"]).strip().lower()
     name = "back" if name == "rear" else name
     if name not in SENSORS:
         there = ", ".join(one.capitalize() for one in SENSORS)
@@ -147,28 +147,28 @@ def _sensor(said: Mapping[str, Any]) -> str:
     return name
 
 
-def _speech(said: Any) -> str:
+def _speech(wording: Any) -> str:
     """Return a text, however it is wrapped; of a mapping, only `text` counts."""
-    if isinstance(said, dict):
-        said = said.get("text")
-    if said is None:
+    if isinstance(wording, dict):
+        wording = wording.get("text")
+    if wording is None:
         return ""
-    if not isinstance(said, str):
+    if not isinstance(wording, str):
         raise InputError("speech must be a text")
-    return said.strip()
+    return wording.strip()
 
 
-def _bound(said: Mapping[str, Any], name: str) -> int:
+def _bound(fields: Mapping[str, Any], name: str) -> int:
     """Return a bound in whole units; 0 for none, and for what is not above 0."""
-    return max(0, _whole(said, name)) if _is_there(said, name) else 0
+    return max(0, _whole(fields, name)) if _is_there(fields, name) else 0
 
 
-def _whole(said: Mapping[str, Any], name: str) -> int:
-    return int(_number(said, name))
+def _whole(fields: Mapping[str, Any], name: str) -> int:
+    return int(_number(fields, name))
 
 
-def _number(said: Mapping[str, Any], name: str) -> float:
-    value = said[name]
+def _number(fields: Mapping[str, Any], name: str) -> float:
+    value = fields[name]
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise InputError(f"{name} must be a number")
     try:
@@ -182,11 +182,11 @@ def _number(said: Mapping[str, Any], name: str) -> float:
     return number
 
 
-def _mapping(said: Any) -> Mapping[str, Any]:
-    if not isinstance(said, dict):
+def _mapping(fields: Any) -> Mapping[str, Any]:
+    if not isinstance(fields, dict):
         raise InputError(f"the body must be an object; {NOTHING}")
-    return said
+    return fields
 
 
-def _is_there(said: Mapping[str, Any], name: str) -> bool:
-    return said.get(name) is not None and said[name] != ""
+def _is_there(fields: Mapping[str, Any], name: str) -> bool:
+    return fields.get(name) is not None and fields[name] != ""

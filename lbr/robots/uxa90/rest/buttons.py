@@ -25,13 +25,13 @@ class ButtonTable:
         """Return what a number or a name means, and whether it was a number; of several of a name, the first."""
         if by_id := begins_as_integer(key):
             wanted_id = number(key)
-            found = self.buttons.get(int(wanted_id)) if wanted_id.is_integer() and abs(wanted_id) < LARGEST else None
+            button = self.buttons.get(int(wanted_id)) if wanted_id.is_integer() and abs(wanted_id) < LARGEST else None
         else:
             wanted = key.lower()
-            found = next((button for button in self.buttons.values() if button.name.lower() == wanted), None)
-        if found is None:
+            button = next((button for button in self.buttons.values() if button.name.lower() == wanted), None)
+        if button is None:
             raise Refused(409, "Motion doesn't exist", code="unknown_name")
-        return found, by_id
+        return button, by_id
 
     def all(self) -> list[MotionData]:
         """Return all, as they are shown."""

@@ -53,7 +53,7 @@ class _Job:
     id: str
     begun_s: float
     turns: tuple[Turn, ...]
-    left: list[int]
+    waiting: list[int]
     state: JobState = "waiting"
     reason: str = ""
     begun: set[int] = field(default_factory=set)
@@ -79,38 +79,38 @@ class Jobs:
     def add(self, turns: tuple[Turn, ...], now: float) -> str:
         """Have moves begin by their delays, and return the job's id; those without a delay have begun already."""
         self._count += 1
-        left = sorted((at for at, turn in enumerate(turns) if turn.delay_s > 0.0), key=lambda at: turns[at].delay_s)
-        job = _Job(id=str(self._count), begun_s=now, turns=turns, left=left)
-        job.begun = set(range(len(turns))) - set(left)
+        waiting = sorted((at for at, turn in enumerate(turns) if turn.delay_s > 0.0), key=lambda at: turns[at].delay_s)
+        job = _Job(id=str(self._count), begun_s=now, turns=turns, waiting=waiting)
+        job.begun = set(range(len(turns))) - set(waiting)
         self._jobs[job.id] = job
         self._forget()
         return job.id
 
     def due(self, now: float) -> list[tuple[str, tuple[Turn, ...]]]:
         """Return what is to begin now, and count it as begun."""
-        found = []
+        ready_steps = []
         for job in self._waiting():
-            ready = [at for at in job.left if now >= job.begun_s + job.turns[at].delay_s]
+            ready = [at for at in job.waiting if now >= job.begun_s + job.turns[at].delay_s]
             if ready:
-                job.left = job.left[len(ready) :]
+                job.waiting = job.waiting[len(ready) :]
                 job.begun.update(ready)
-                job.state = "waiting" if job.left else "done"
-                found.append((job.id, tuple(job.turns[at] for at in ready)))
-        return found
+                job.state = "waiting" if job.waiting else "done"
+                ready_steps.append((job.id, tuple(job.turns[at] for at in ready)))
+        return ready_steps
 
     def cancel(self, name: str) -> JobData:
         """Have what has not begun not begin."""
         job = self._find(name)
         if job.state != "waiting":
             raise Refused(409, f"Job '{job.id}' is over: {job.state}", code="done")
-        job.state, job.reason, job.left = "cancelled", "cancelled", []
+        job.state, job.reason, job.waiting = "cancelled", "cancelled", []
         return _data(job)
 
     def drop(self, reason: str, name: str = "") -> int:
         """End one job, or all that wait, and return how many that were."""
         dropped = [job for job in self._waiting() if name in {"", job.id}]
         for job in dropped:
-            job.state, job.reason, job.left = "dropped", reason, []
+            job.state, job.reason, job.waiting = "dropped", reason, []
         return len(dropped)
 
     def fail(self, name: str, turns: tuple[Turn, ...], reason: str) -> None:
@@ -118,7 +118,7 @@ class Jobs:
         job = self._jobs.get(name)
         if job is not None:
             job.begun -= {at for at, turn in enumerate(job.turns) if any(turn is each for each in turns)}
-            job.state, job.reason, job.left = "dropped", reason, []
+            job.state, job.reason, job.waiting = "dropped", reason, []
 
     def get(self, name: str) -> JobData:
         """Return one."""

@@ -160,12 +160,12 @@ def _text(query: Query, names: tuple[str, str]) -> str | None:
 
 
 def _once(query: Query, name: str) -> str | None:
-    said = query.get(name)
-    if said is None:
+    values = query.get(name)
+    if values is None:
         return None
-    if len(said) != 1:
-        raise Refused(400, f"{name} was given {len(said)} times; give it once")
-    return said[0]
+    if len(values) != 1:
+        raise Refused(400, f"{name} was given {len(values)} times; give it once")
+    return values[0]
 
 
 def _delay_s(delay_ms: float) -> float:

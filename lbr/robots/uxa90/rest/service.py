@@ -86,10 +86,12 @@ class Service:
         match wanted:
             case Listing():
                 every = self.motors.motors.values()
-                data = [self._shown(self.motors.data(motor, unit=unit), measured=measured) for motor in every]
+                data = [self._with_measured(self.motors.data(motor, unit=unit), measured=measured) for motor in every]
                 return MotorAnswer(data, "getAllMotors")
             case Info(motor=motor):
-                return MotorAnswer(self._shown(self.motors.data(motor, unit=unit), measured=measured), "getMotorInfo")
+                return MotorAnswer(
+                    self._with_measured(self.motors.data(motor, unit=unit), measured=measured), "getMotorInfo"
+                )
 
     async def several(self, body: Any, query: parsing.Query, came_s: float = inf) -> MultiAnswer:
         """Answer /multimotor."""
@@ -113,7 +115,7 @@ class Service:
         motor, position = move.turn.motor, move.turn.position
         old = self.motors.told[motor.id]
         job = await self._turn((move.turn,))
-        data = self._shown(self.motors.data(motor, position, unit), measured=measured)
+        data = self._with_measured(self.motors.data(motor, position, unit), measured=measured)
         return MotorAnswer(data, "setMotorPos", old, position, move.torq, UNSET if job is None else job)
 
     async def _turn(self, turns: tuple[Turn, ...]) -> str | None:
@@ -206,7 +208,7 @@ class Service:
         if dropped := self.jobs.drop(why):
             self._robot.ctx.event("job_dropped", f"{dropped} jobs were dropped: {why}", level="warning")
 
-    def _shown(self, data: MotorData, *, measured: bool) -> MotorData:
+    def _with_measured(self, data: MotorData, *, measured: bool) -> MotorData:
         if not measured:
             return data
         return replace(data, measured=self._measured(self.motors.motors[data.id]), commanded=data.position)

@@ -81,21 +81,21 @@ class MainBoard:
 
     def feed(self, data: bytes, now: float, baud: float | None = None) -> bytes:
         """Take bytes that the host sends at a rate; return what has reached it so far."""
-        said = self.poll(now)
+        answers = self.poll(now)
         if self._mode == "off" or (baud and abs(baud - self.row.baud) > 0.03 * self.row.baud):
-            return said
+            return answers
         begin = max(now, self._host_free)
         self._host_free = begin + len(data) * self._byte_s
-        for heard in self._reader.feed(data, now):
-            at = begin + max(0, heard.end) * self._byte_s
+        for packet in self._reader.feed(data, now):
+            at = begin + max(0, packet.end) * self._byte_s
             self._until(at)
-            if not heard.sound:
+            if not packet.sound:
                 continue
-            if isinstance(heard, Frame):
-                self._obey(heard, at)
+            if isinstance(packet, Frame):
+                self._obey(packet, at)
             else:
-                self._pass_on(heard, at)
-        return said + self.poll(now)
+                self._pass_on(packet, at)
+        return answers + self.poll(now)
 
     def poll(self, now: float) -> bytes:
         """Return what has reached the host so far."""

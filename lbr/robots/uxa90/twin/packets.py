@@ -67,17 +67,17 @@ class Reader:
             self.forget()
         self._heard_at = now
         before, self._buffer = len(self._buffer), self._buffer + data
-        found: list[Frame | Packet] = []
+        packets: list[Frame | Packet] = []
         at = self._buffer.find(0xFF)
         while at >= 0:
             size = _size(self._buffer[at : at + _HEADER + MOST_CONTENTS + 1])
             if size is None:
                 break
             if size:
-                found.append(_parsed(self._buffer[at : at + size], at + size - before))
+                packets.append(_parsed(self._buffer[at : at + size], at + size - before))
             at = self._buffer.find(0xFF, at + max(1, size))
         self._buffer = self._buffer[at:] if at >= 0 else b""
-        return found
+        return packets
 
 
 def framed(kind: int, platform: int, contents: bytes) -> bytes:

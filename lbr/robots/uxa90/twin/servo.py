@@ -125,15 +125,15 @@ class SamServo:
 
     def load(self) -> int:
         """Return the byte of its current."""
-        return 254 if self._stuck_rad is not None and self.driven else min(254, round(abs(self._shown.load) * 254))
+        return 254 if self._stuck_rad is not None and self.driven else min(254, round(abs(self._reported.load) * 254))
 
     def position(self) -> int:
         """Return the byte of its position."""
-        return min(254, max(0, round(as_counts(self._shown.position_rad))))
+        return min(254, max(0, round(as_counts(self._reported.position_rad))))
 
     def fine_position(self) -> int:
         """Return its position in 14 bits."""
-        own = self._shown.position_rad + (self.zero - self._nominal) * COUNT_RAD
+        own = self._reported.position_rad + (self.zero - self._nominal) * COUNT_RAD
         return min(_FINE_MOST, max(0, round(own / _FINE_RAD) + _FINE_MIDDLE))
 
     # What it does.
@@ -158,7 +158,7 @@ class SamServo:
         self._at = now
 
     @property
-    def _shown(self) -> ServoFelt:
+    def _reported(self) -> ServoFelt:
         return self._frozen or self.felt
 
     def _head_for(self, goal_rad: float, level: int, way_rps: float | None) -> None:

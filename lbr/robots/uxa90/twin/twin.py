@@ -41,11 +41,11 @@ class Uxa90Twin(PortTwin[PtyPort, Uxa90Faults]):
         heard = b"" if self._faults.stop_reading else self.port.read()
         if heard:
             self._trace.write(now, f"read {heard.hex()}")
-        said = self.board.feed(heard, now, self.port.baud()) if heard else self.board.poll(now)
+        answers = self.board.feed(heard, now, self.port.baud()) if heard else self.board.poll(now)
         self._tell_mode(now)
-        if said and self.port.plugged:
-            self._trace.write(now, f"said {said.hex()}")
-            self.port.write(said)
+        if answers and self.port.plugged:
+            self._trace.write(now, f"said {answers.hex()}")
+            self.port.write(answers)
 
     def next_due(self) -> float | None:
         """Return when it next has something to say or to do."""
