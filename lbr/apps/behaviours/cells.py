@@ -1,7 +1,7 @@
 """The language of condition cells: from text to what values fit, how long, how new. Pure.
 
 A cell becomes intervals of numbers and a set of texts. That one form tells whether a value fits, by how much it does
-not, whether anything ever could, and whether another cell lets pass all that this one does.
+not, and whether anything ever could.
 """
 
 import re
@@ -42,12 +42,6 @@ class Texts(NamedTuple):
         """Return whether a text is one of them."""
         return (text in self.of) is not self.others
 
-    def all_in(self, other: "Texts") -> bool:
-        """Return whether the other has all of them."""
-        if self.others:
-            return other.others and other.of <= self.of
-        return not self.of & other.of if other.others else self.of <= other.of
-
     def either(self, other: "Texts") -> "Texts":
         """Return those of both together."""
         if self.others and other.others:
@@ -72,11 +66,6 @@ class Fits(NamedTuple):
     numbers: tuple[tuple[float, float], ...] = ()
     texts: Texts = NO_TEXT
     missing: bool = False
-
-    @property
-    def empty(self) -> bool:
-        """Return whether nothing fits."""
-        return not (self.numbers or self.texts.of or self.texts.others or self.missing)
 
     def off(self, value: Value | None, *, turning: bool = False) -> float:
         """Return by how much a value misses: 0 fits, infinity has no distance. `turning`: 359 is next to 0."""
@@ -109,11 +98,6 @@ class Fits(NamedTuple):
         numbers = _joined(tuple(pair for pair in pairs if pair[0] <= pair[1]))
         return Fits(numbers, self.texts.both(other.texts), self.missing and other.missing)
 
-    def within(self, other: "Fits") -> bool:
-        """Return whether the other lets pass all that this one does."""
-        numbers = all(any(a <= low and high <= b for a, b in other.numbers) for low, high in self.numbers)
-        return numbers and self.texts.all_in(other.texts) and (other.missing or not self.missing)
-
 
 ANYTHING = Fits(((-inf, inf),), EVERY_TEXT)
 MISSING = Fits(missing=True)
@@ -128,11 +112,6 @@ class Cell(NamedTuple):
     for_s: float = 0.0
     becomes: bool = False
     newest_s: float | None = None
-
-    @property
-    def plain(self) -> bool:
-        """Return whether it asks for nothing but the value."""
-        return not (self.for_s or self.becomes) and self.newest_s is None
 
 
 def parse(text: str, *, turning: bool = False) -> Cell:

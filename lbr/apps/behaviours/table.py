@@ -7,7 +7,7 @@ from math import inf
 from typing import NamedTuple
 
 from lbr.apps.behaviours import keys, outputs
-from lbr.apps.behaviours.cells import ANYTHING, Cell, CellError, Fits, parse
+from lbr.apps.behaviours.cells import Cell, CellError, Fits, parse
 from lbr.apps.behaviours.keys import EVERY, Key
 from lbr.messages.behaviour import MOST_ROWS, BehaviourRow, BehaviourTable
 
@@ -357,37 +357,13 @@ def _domain(key: Key) -> Fits:
 
 
 def _shadowed(lines: Sequence[Line]) -> Iterator[Fault]:
-    """Yield the rows that are never taken, since an earlier one holds whenever they do."""
+    """Yield the rows that are never taken: an earlier one asks for nothing that they do not ask for, too."""
+    asked = [frozenset((one.key, one.cell._replace(text="")) for one in line.conditions) for line in lines]
     for number, line in enumerate(lines[:MOST_COMPARED]):
-        later = {condition.key: _all_of(line, condition.key) for condition in line.conditions}
-        for earlier in lines[:number]:
-            if _passes(earlier, later):
-                yield Fault(
-                    line.step,
-                    STATE,
-                    f"this row is never taken: row {earlier.step} holds whenever it does, and comes first",
-                )
-                break
-
-
-def _passes(earlier: Line, later: Mapping[Key, Fits]) -> bool:
-    """Return whether a row holds whenever all of these do."""
-    return all(
-        condition.cell.plain
-        and (later[condition.key] if condition.key in later else ANYTHING.either(_MISSING)).within(condition.cell.fits)
-        for condition in earlier.conditions
-    )
-
-
-_MISSING = Fits(missing=True)
-
-
-def _all_of(line: Line, key: Key) -> Fits:
-    fits = ANYTHING.either(_MISSING)
-    for condition in line.conditions:
-        if condition.key == key:
-            fits = fits.both(condition.cell.fits)
-    return fits
+        earlier = next((lines[at].step for at in range(number) if asked[at] <= asked[number]), 0)
+        if earlier:
+            text = f"this row is never taken: row {earlier} holds whenever it does, and comes first"
+            yield Fault(line.step, STATE, text)
 
 
 def _of_calls(name: str, compiled: Mapping[str, Compiled]) -> Iterator[Fault]:

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.apps.behaviours import keys
-from lbr.apps.behaviours.cells import ANYTHING, CellError, Fits, parse
+from lbr.apps.behaviours.cells import CellError, Fits, parse
 from lbr.messages.behaviour import BehaviourState
 
 FITS = [
@@ -149,14 +149,10 @@ def _together(pairs):
 
 
 @given(fits_of, fits_of, numbers)
-def test_either_both_and_within_say_the_same_as_the_values(one, other, value):
+def test_either_and_both_say_the_same_as_the_values(one, other, value):
     in_one, in_other = one.off(value) == 0.0, other.off(value) == 0.0
     assert (one.either(other).off(value) == 0.0) == (in_one or in_other)
     assert (one.both(other).off(value) == 0.0) == (in_one and in_other)
-    if one.within(other) and in_one:
-        assert in_other
-    assert one.both(other).within(one)
-    assert one.within(ANYTHING)
 
 
 @given(fits_of, numbers)
