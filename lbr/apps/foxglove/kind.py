@@ -51,7 +51,7 @@ KIND = Kind(
     summary="serves the robot to Foxglove: streams, cameras, its body, its words as services",
     family="app",
     rights=Rights(people=True, lets_in=("enabled", "host", "tls", "clear_text", "cors", "names")),
-    entry="lbr.apps.foxglove.start:Foxglove",
+    entry="lbr.apps.foxglove.capability:Foxglove",
     settings=FoxgloveSettings,
     outputs={"state": FoxgloveState},
     rows=(Joint, Wheel, RangeSensor, LanUser),

@@ -1,10 +1,10 @@
 """The kind `lan`: its settings, ports and words."""
 
-from ipaddress import ip_address
 from typing import Annotated
 
 from msgspec import Meta, Struct
 
+from lbr.apps.http.names import is_local
 from lbr.capability.kind import Kind, Rights
 
 Endpoint = Annotated[str, Meta(pattern="^(tls|tcp)/[^\\s#?]+:[0-9]{1,5}$(?!\\n)", max_length=200)]
@@ -22,19 +22,11 @@ class LanSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
             host, _, port = place.rpartition(":")
             if not 0 < int(port) < 65536:
                 raise ValueError(f"listen: '{endpoint}' has no port between 1 and 65535")
-            if protocol == "tcp" and not is_loopback(host):
+            if protocol == "tcp" and not is_local(host.strip("[]")):
                 raise ValueError(
                     f"listen: '{endpoint}' would talk to other machines in clear text; "
                     f"write 'tls/{place}' in the setting 'listen' of the row, or after --listen"
                 )
-
-
-def is_loopback(host: str) -> bool:
-    """Return whether only this machine can reach a host's name or address."""
-    try:
-        return ip_address(host.strip("[]")).is_loopback
-    except ValueError:
-        return host == "localhost"
 
 
 KIND = Kind(

@@ -48,7 +48,7 @@ KIND = Kind(
     summary="serves the robot to language agents by HTTP, and has the rules for all of them",
     family="app",
     rights=Rights(serves=True, lets_in=("enabled", "host", "tls", "clear_text", "names")),
-    entry="lbr.apps.mcp.start:Mcp",
+    entry="lbr.apps.mcp.capability:Mcp",
     settings=McpSettings,
     outputs={"state": McpState},
     commands={"allow": Command(AllowAgent)},

@@ -86,7 +86,7 @@ class Mqtt(Capability[MqttSettings]):
         self._count = self._reported = self._asked = self._refused = 0
         self._state: report.Report = {}
         self._state_at = self._picture_at = -inf
-        self._health: str | None = None
+        self._health = ""
         self._report_from = inf
 
     @property
@@ -164,12 +164,11 @@ class Mqtt(Capability[MqttSettings]):
         health = NO_BROKER if session is None else self._silence() if session.connected else session.trouble
         if session is not None and health:
             health = f"the broker {self._connection.broker}: {health}"
-        if health != self._health:
-            self._health = health
-            if health:
-                self.ctx.warn(health, "unreachable" if session is not None else "off")
-            else:
-                self.ctx.ready()
+        self._health = health
+        if health:
+            self.ctx.warn(health, "unreachable" if session is not None else "off")
+        else:
+            self.ctx.ready()
         if session is None:
             return
         if not session.connected:
@@ -392,7 +391,7 @@ class Mqtt(Capability[MqttSettings]):
         self._connection = MqttState(
             connected=session is not None and session.connected,
             broker=self._connection.broker,
-            reason=self._health or "",
+            reason=self._health,
             connections=self._count,
             reported=self._reported,
             asked=self._asked,

@@ -1,11 +1,11 @@
 """The kind `mqtt`: its settings, ports and words."""
 
 import re
-from ipaddress import ip_address
 from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from lbr.apps.http.names import is_local
 from lbr.apps.motion_requests import motion_requests
 from lbr.apps.mqtt.messages import MqttState
 from lbr.apps.mqtt.words import Word
@@ -85,7 +85,7 @@ class MqttSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
         """Refuse what could not be meant, before anything is sent to anybody."""
         if self.host and re.fullmatch(r"[A-Za-z0-9]([A-Za-z0-9.:_-]*[A-Za-z0-9])?|::1", self.host) is None:
             raise ValueError(f"host: '{self.host}' is no name and no address of a machine")
-        if not self.tls and not self.clear_text and not is_here(self.host):
+        if self.host and not (self.tls or self.clear_text or is_local(self.host)):
             raise ValueError(
                 "tls: another machine is spoken to by TLS; clear_text set to true does without, and lets all in between ask"
             )
@@ -93,14 +93,6 @@ class MqttSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
             raise ValueError("certificate and key: each needs the other")
         if self.password and not self.user:
             raise ValueError("password: it needs a user")
-
-
-def is_here(host: str) -> bool:
-    """Return whether a host is this machine; no host is nowhere else."""
-    try:
-        return ip_address(host).is_loopback
-    except ValueError:
-        return host in {"", "localhost"}
 
 
 _MOTION = motion_requests("move", "turn", "heading", "halt", "play", "play_halt", "stop_all")

@@ -23,6 +23,7 @@ from lbr.capability.base import Capability
 from lbr.capability.border import border
 from lbr.capability.context import Context
 from lbr.errors import DeviceError, InputError, LbrError, told
+from lbr.messages.codes import Reason
 from lbr.messages.web import WebState
 
 PUBLISH_S = 1.0
@@ -94,7 +95,6 @@ class Registrar(Capability[RegistrarSettings]):
         self._herald: Herald | None = None
         self._name = ""
         self._web: dict[str, WebState] = {}
-        self._health: str | None = None
         self._published: RegistrarState | None = None
         self._published_at = 0.0
 
@@ -118,14 +118,12 @@ class Registrar(Capability[RegistrarSettings]):
         herald = self._herald
         if herald is not None:
             herald.register(self._entry())
-        health = NO_SERVICE if herald is None else herald.trouble
-        if health != self._health:
-            self._health = health
-            if health:
-                self.ctx.warn(health, "off" if herald is None else "unreachable")
-            else:
-                self.ctx.ready()
-        self._publish_state(herald)
+        health = Reason("off", NO_SERVICE) if herald is None else Reason("unreachable", herald.trouble)
+        if health.text:
+            self.ctx.warn(health)
+        else:
+            self.ctx.ready()
+        self._publish_state(herald, health)
 
     def close(self) -> None:
         """Say goodbye."""
@@ -146,7 +144,7 @@ class Registrar(Capability[RegistrarSettings]):
             every_s=settings.every_s,
         )
 
-    def _publish_state(self, herald: Herald | None) -> None:
+    def _publish_state(self, herald: Herald | None, health: Reason) -> None:
         now, entry = self.ctx.clock(), self._entry()
         state = RegistrarState(
             registered=herald is not None and not herald.trouble,
@@ -154,8 +152,8 @@ class Registrar(Capability[RegistrarSettings]):
             name=self._name,
             urls=entry.urls,
             endpoints=entry.endpoints,
-            reason=self._health or "",
-            code="" if not self._health else "off" if herald is None else "unreachable",
+            reason=health.text,
+            code=health.code if health.text else "",
             times=herald.times if herald is not None else 0,
         )
         if state != self._published or now - self._published_at >= PUBLISH_S:

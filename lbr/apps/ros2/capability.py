@@ -79,7 +79,7 @@ class Ros2(Capability[Ros2Settings]):
         self._reported: set[str] = set()
         self._count = self._refused = 0
         self._joined = False
-        self._health: str | None = None
+        self._health = ""
         self._published: Ros2State | None = None
         self._published_s = -inf
 
@@ -128,13 +128,11 @@ class Ros2(Capability[Ros2Settings]):
 
     def _look_after_link(self) -> None:
         link = self._link
-        health = "" if link.connected else f"ROS at {link.place.endpoint}: {link.trouble}"
-        if health != self._health:
-            self._health = health
-            if health:
-                self.ctx.warn(health, "unreachable")
-            else:
-                self.ctx.ready()
+        self._health = "" if link.connected else f"ROS at {link.place.endpoint}: {link.trouble}"
+        if self._health:
+            self.ctx.warn(self._health, "unreachable")
+        else:
+            self.ctx.ready()
         if link.connected and link.count == self._count:
             return
         if self._joined:

@@ -1,11 +1,11 @@
 """The kind `ros2`: its settings, ports and words."""
 
 import re
-from ipaddress import ip_address
 from typing import Annotated
 
 from msgspec import Meta, Struct
 
+from lbr.apps.http.names import is_local
 from lbr.apps.motion_requests import motion_requests
 from lbr.apps.ros2.messages import Ros2State
 from lbr.bus.door import TokenRight
@@ -68,7 +68,7 @@ class Ros2Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
             found = _ENDPOINT.fullmatch(endpoint)
             if endpoint and (found is None or int(found[2]) > 65535):
                 raise ValueError(f"{field}: '{endpoint}' is not an address; they look like tcp/127.0.0.1:7447")
-            if found is not None and not self.clear_text and not is_here(found[1].strip("[]")):
+            if found is not None and not self.clear_text and not is_local(found[1].strip("[]")):
                 raise ValueError(
                     f"{field}: there is no login in ROS; clear_text set to true lets all who reach {endpoint} drive"
                 )
@@ -80,14 +80,6 @@ def address(endpoint: str) -> tuple[str, int]:
     """Return host and port of an address as Zenoh writes it."""
     host, _, port = endpoint.partition("/")[2].rpartition(":")
     return host.strip("[]"), int(port)
-
-
-def is_here(host: str) -> bool:
-    """Return whether a host is this machine."""
-    try:
-        return ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"
 
 
 _MOTION = motion_requests(
@@ -113,7 +105,7 @@ KIND = Kind(
         serves=True,
         lets_in=("enabled", "connect", "listen", "clear_text", "domain", "token", "services"),
     ),
-    entry="lbr.apps.ros2.start:Ros2",
+    entry="lbr.apps.ros2.capability:Ros2",
     settings=Ros2Settings,
     inputs={**_STREAMS, "ranges": Ranges, "scans": Scan, "imu": ImuSample, "frames": JpegFrame, "results": GoalResult},
     optional=(*_STREAMS, "ranges", "scans", "imu", "frames", "results"),

@@ -1,13 +1,13 @@
 """Motions in files: in JSON, and those of robots' makers; from there to rows, within the joints' limits."""
 
-import importlib
 from collections.abc import Iterable
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import msgspec
 from msgspec import Struct
 from msgspec.structs import replace
 
+from lbr import plugins
 from lbr.errors import InputError
 from lbr.messages.joints import MAX_FRAMES, Joint, KeyFrame, Motion
 from lbr.messages.unreadable import UNREADABLE
@@ -53,7 +53,7 @@ def exported(robot: str, motion: Motion, rows: RobotRows, suffix: str = "") -> t
         raise InputError(
             f"files of the form {makers.suffix} ({makers.summary}) are read here, not written: name a .json"
         )
-    writer: WriteMotion = _function(makers.write)
+    writer: WriteMotion = plugins.load(makers.write)
     return writer(motion, rows)
 
 
@@ -62,7 +62,7 @@ def read(content: bytes, suffix: str = "") -> MotionFile | MakersMotion:
     if len(content) > LARGEST_BYTES:
         raise InputError(f"it has {len(content)} bytes, and a motion file has {LARGEST_BYTES} at most")
     if (found := registry.motion_formats().get(suffix.lower())) is not None:
-        reader: ReadMotion = _function(found.read)
+        reader: ReadMotion = plugins.load(found.read)
         return reader(content)
     try:
         return msgspec.json.decode(content, type=MotionFile)
@@ -116,11 +116,6 @@ def summary(motion: Motion, joints: Iterable[Joint], clipped: int = 0) -> Summar
         raise InputError(f"motion '{motion.name}' moves no joint")
     seconds = sum(frame.duration_s for frame in motion.frames)
     return Summary(len(motion.frames), round(seconds, 2), len(at), *worst, clipped)
-
-
-def _function(place: str) -> Any:
-    module, _, name = place.partition(":")
-    return getattr(importlib.import_module(module), name)
 
 
 def _clipped(angle: float, row: Joint) -> float:

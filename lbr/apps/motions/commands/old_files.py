@@ -1,11 +1,11 @@
 """Finds out what is in the files that a person gives: motions, or what a robot's former program kept."""
 
-import importlib
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from lbr import plugins
 from lbr.apps.motions.commands import motion_files
 from lbr.apps.motions.commands.motion_files import MotionFile
 from lbr.database import foreign_tables, given_files, identity
@@ -55,7 +55,8 @@ def understood(path: Path, wanted: str | None = None) -> Given:
         if wanted == OWN or (isinstance(source.json, dict) and source.json.get("format") == "lbr-motion"):
             return Given(path, OWN, motion_files.read(content))
         for name in [wanted] if wanted is not None else old_formats:
-            if (data := _function(old_formats[name].read)(source)) is not None:
+            read: Callable[[Source], OldData | None] = plugins.load(old_formats[name].read)
+            if (data := read(source)) is not None:
                 return Given(path, name, data=data)
         why = _unknown(source, wanted)
     except InputError as err:
@@ -105,8 +106,3 @@ def _json(text: str | None) -> Any:
         return json_strictly(text)
     except (ValueError, RecursionError):
         return None
-
-
-def _function(place: str) -> Callable[[Source], OldData | None]:
-    module, _, name = place.partition(":")
-    return getattr(importlib.import_module(module), name)  # type: ignore[no-any-return]

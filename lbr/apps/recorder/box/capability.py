@@ -405,12 +405,11 @@ class Box(Capability[BoxSettings]):
             return
         disk, made = tape.disk, self._made
         trouble = disk.trouble or (made.disk.trouble if made is not None else "")
-        if trouble != self._warned:
-            self._warned = trouble
-            if trouble:
-                self.ctx.warn(f"{trouble} ({disk.lost} messages so far)", "failed")
-            else:
-                self.ctx.ready()
+        if not trouble:
+            self.ctx.ready()
+        elif trouble != self._warned:
+            self.ctx.warn(f"{trouble} ({disk.lost} messages so far)", "failed")
+        self._warned = trouble
         if now < self._tell_at and self._told is not None and self._told.trouble == trouble:
             return
         self._tell_at = now + TELL_S

@@ -1,7 +1,6 @@
 """The checks of `lbr doctor` for a robot that is served over HTTP: whether its port is free, and who may reach it."""
 
 import errno
-import ipaddress
 import socket
 from collections.abc import Iterable, Iterator
 from typing import Annotated
@@ -10,7 +9,7 @@ import msgspec
 from msgspec import Meta, Struct
 
 from lbr import home
-from lbr.apps.http import listening
+from lbr.apps.http import listening, names
 from lbr.commands.finding import Finding
 from lbr.database.rows import CapabilityRow
 from lbr.messages.unreadable import UNREADABLE
@@ -56,7 +55,7 @@ def _port(robot: str, name: str, host: str, port: int, *, runs: bool) -> Finding
     if problem is not None:
         text = f"{where} cannot be opened: {problem.strerror or problem}"
         return Finding(about=about, level="hint", text=text, do="change host or port in the row's settings")
-    reach = "this machine alone reaches it" if _is_loopback(host) else "the network reaches it"
+    reach = "this machine alone reaches it" if names.is_local(host) else "the network reaches it"
     return Finding(about=about, level="good", text=f"{where} is free; {reach}")
 
 
@@ -73,10 +72,3 @@ def _taken(host: str, port: int) -> OSError | None:
         except (ValueError, TypeError) as err:  # no name of a machine has such letters, or so many
             return OSError(errno.EINVAL, str(err))
     return None
-
-
-def _is_loopback(host: str) -> bool:
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"
