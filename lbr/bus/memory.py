@@ -1,5 +1,5 @@
-"""A bus in one process whose clock is stepped: the same bytes, stamps and seals as by Zenoh, in an order that is always
-the same.
+"""A bus in one process whose clock is stepped. It carries the same bytes, stamps and seals as Zenoh, always in the same
+order.
 
 A message of one round arrives in the next. That is late, as on a busy machine.
 """
@@ -278,7 +278,7 @@ class MemoryTransport:
         """Publish once."""
         self.memory.publish(key, message, source)
 
-    def document(self, key: str, make: Callable[[], Mapping[str, Any]]) -> object:
+    def document(self, key: str, make: Callable[[], Mapping[str, Any]]) -> None:
         """Keep nothing: nobody asks here what a message is like."""
 
     def presence(self, robot: str, changed: Callable[[str, bool], None]) -> MemoryPresence:
@@ -288,12 +288,11 @@ class MemoryTransport:
         self._close.append(lambda: self.memory.watchers.remove(changed))
         return MemoryPresence(self.memory.names)
 
-    def alive(self, robot: str, name: str) -> object:
+    def alive(self, robot: str, name: str) -> None:
         """Show that a capability is there."""
         del robot
         self.memory.show(name)
         self._close.append(lambda: self.memory.show(name, alive=False))
-        return name
 
     def close(self) -> None:
         """Take back all that was declared."""

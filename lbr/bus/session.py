@@ -49,8 +49,8 @@ LOCAL_LEASE_MS = 10_000
 """The lease of links by a socket of this machine, where the kernel reports at once that a process has ended. On a busy
 machine a client of low rank was silent for 0.4 s, lost its link, and with it the answers under way."""
 HELD_MS = 3_600_000
-"""The lease of links between sessions of one process: neither end can be gone without the other, and where both were
-held up together and then gave each other up, the router does not learn again who answers what."""
+"""The lease of links between sessions of one process. Neither end can be gone without the other. Where both were held
+up and gave each other up, the router does not learn again who answers what."""
 MAX_MESSAGE_BYTES = 1 << 20
 DEAF_AWAY_MS, DEAF_HERE_MS = 200, 400
 """A client that takes nothing is cut off then, because all others wait for it; on this machine it may be held up."""
@@ -59,8 +59,8 @@ ACCEPT_MS, MOST_PENDING = 3000, 500
 many. The library answers earlier failures with a pause of 0.1 s, which nothing can set."""
 MOST_SESSIONS = 1000
 FILES_A_SESSION, FILES_A_PENDING = 4, 16
-"""A router takes no more than its share of the files that its process may hold open: connections by the hundred, of two
-routers as the executive has, leave it enough to hear, start and write."""
+"""A router takes no more than its share of the files that its process may hold open. With hundreds of connections to two
+routers, the executive can still answer, start and write."""
 
 
 class Tls(Struct, frozen=True, kw_only=True):

@@ -1,39 +1,26 @@
 """Below a capability's context: a clock, streams, commands and presence; Zenoh's, or memory's (`lbr.bus.memory`)."""
 
+import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, Protocol
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from weakref import WeakSet
+
+import zenoh
 
 from lbr.bus import session, wire
 from lbr.bus.inflow import Inflow
 from lbr.bus.stamp import Origin
 from lbr.bus.wire import CommandQueue, RawMessage
 
+if TYPE_CHECKING:
+    from lbr.bus.memory import MemoryFeed, MemoryTransport
 
-class Output(Protocol):
-    """A stream that is published, with a `get` of its latest value."""
-
-    count: int
-
-    @property
-    def watched(self) -> bool:
-        """The existence of a subscriber; of an output that does not follow that, true."""
-
-    def put(self, message: Any, *, taken_s: float | None = None, payload: bytes | None = None) -> bytes:
-        """Publish, and return the stamp; `payload` is the message as bytes, where those are known."""
-
-    def forget(self) -> None:
-        """Answer no `get` any more with what was published."""
-
-
-class Feed(Protocol):
-    """A stream that is received."""
-
-    def take(self) -> list[RawMessage]:
-        """Return what arrived since the last call, oldest first."""
-
-    def close(self) -> None:
-        """Stop receiving."""
+Feed: TypeAlias = "wire.Subscription | wire.PolledSubscription | MemoryFeed"
+Transport: TypeAlias = "ZenohTransport | MemoryTransport"
+BORROWED_TRIES, BORROWED_S = 50, 0.001
+"""Another thread looks at a declaration for microseconds."""
 
 
 class Question(Protocol):
@@ -43,74 +30,19 @@ class Question(Protocol):
     replies: list[RawMessage]
 
 
-class Present(Protocol):
-    """The names of the capabilities that are there."""
-
-    names: set[str]
-
-
-class Transport(Protocol):
-    """One participant's part of a bus; closing it takes back all that it has declared."""
-
-    def clock(self) -> float:
-        """Monotonic seconds."""
-
-    def publisher(
-        self,
-        key: str,
-        source: str,
-        *,
-        seal: bytes = b"",
-        pictures: bool = False,
-        watching: Callable[[], None] | None = None,
-    ) -> Output:
-        """Publish a stream; `watching` is called when `watched` has changed."""
-
-    def subscribe(self, key: str, *, depth: int, wake: Callable[[], None] | None) -> Feed:
-        """Receive the newest `depth` messages of a stream; without `wake` they wait until they are taken."""
-
-    def serve(
-        self, key: str, wake: Callable[[], None], *, source: str, puts: bool = True, inflow: Inflow | None = None
-    ) -> CommandQueue:
-        """Answer commands."""
-
-    def query(
-        self,
-        key: str,
-        payload: bytes,
-        *,
-        timeout_s: float,
-        source: str,
-        wake: Callable[[], None],
-        origin: Origin | None = None,
-    ) -> Question:
-        """Ask one key."""
-
-    def newest(self, keys: Iterable[str], *, source: str, timeout_s: float) -> list[RawMessage]:
-        """Return the latest values of streams, as far as they come in time."""
-
-    def put(self, key: str, message: Any, *, source: str) -> None:
-        """Publish once, ahead of all streams. BusError: it was not sent."""
-
-    def document(self, key: str, make: Callable[[], Mapping[str, Any]]) -> object:
-        """Answer every query of a key with the same document."""
-
-    def presence(self, robot: str, changed: Callable[[str, bool], None]) -> Present:
-        """Watch who is there."""
-
-    def alive(self, robot: str, name: str) -> object:
-        """Show that a capability is there."""
-
-    def close(self) -> None:
-        """Leave the bus."""
-
-
 class ZenohTransport:
-    """A part of the bus by a session of Zenoh, which it closes at the end."""
+    """One participant's part of the bus, by a session of Zenoh. `leave` closes the session, or leaves it to others.
 
-    def __init__(self, opened: session.Session) -> None:
+    Of a session that is `shared`, closing takes back all that was declared here, and nothing else.
+    """
+
+    def __init__(self, opened: session.Session, leave: Callable[[], None], *, shared: bool = False) -> None:
         self.session = opened
         self.clock = time.monotonic
+        self._leave = leave
+        self._shared = shared
+        self._declared: list[Callable[[], object]] = []
+        self._feeds: WeakSet[wire.Subscription | wire.PolledSubscription] = WeakSet()
 
     def publisher(
         self,
@@ -120,21 +52,32 @@ class ZenohTransport:
         seal: bytes = b"",
         pictures: bool = False,
         watching: Callable[[], None] | None = None,
-    ) -> Output:
-        """Publish a stream."""
-        return wire.Publisher(self.session, key, source, seal=seal, pictures=pictures, watching=watching)
+    ) -> wire.Publisher:
+        """Publish a stream; `watching` is called when `watched` has changed."""
+        publisher = wire.Publisher(self.session, key, source, seal=seal, pictures=pictures, watching=watching)
+        self._declared.append(publisher.close)
+        return publisher
 
-    def subscribe(self, key: str, *, depth: int, wake: Callable[[], None] | None) -> Feed:
-        """Receive a stream; one that wakes no loop waits within Zenoh."""
-        if wake is None:
-            return wire.PolledSubscription(self.session, key, depth=depth)
-        return wire.Subscription(self.session, key, depth=depth, wake=wake)
+    def subscribe(
+        self, key: str, *, depth: int, wake: Callable[[], None] | None
+    ) -> wire.Subscription | wire.PolledSubscription:
+        """Receive the newest `depth` messages of a stream; without `wake` they wait within Zenoh until they are
+        taken."""
+        feed = (
+            wire.PolledSubscription(self.session, key, depth=depth)
+            if wake is None
+            else wire.Subscription(self.session, key, depth=depth, wake=wake)
+        )
+        self._feeds.add(feed)
+        return feed
 
     def serve(
         self, key: str, wake: Callable[[], None], *, source: str, puts: bool = True, inflow: Inflow | None = None
     ) -> CommandQueue:
         """Answer commands."""
-        return wire.QueryServer(self.session, key, wake, puts=puts, source=source, inflow=inflow)
+        server = wire.QueryServer(self.session, key, wake, puts=puts, source=source, inflow=inflow)
+        self._declared.append(server.close)
+        return server
 
     def query(
         self,
@@ -152,25 +95,70 @@ class ZenohTransport:
         )
 
     def newest(self, keys: Iterable[str], *, source: str, timeout_s: float) -> list[RawMessage]:
-        """Return the latest values of streams."""
+        """Return the latest values of streams, as far as they come in time."""
         return wire.ask_all(self.session, keys, source=source, timeout_s=timeout_s)
 
     def put(self, key: str, message: Any, *, source: str) -> None:
-        """Publish once, ahead of all streams."""
+        """Publish once, ahead of all streams. BusError: it was not sent."""
         wire.put(self.session, key, message, source=source, urgent=True)
 
-    def document(self, key: str, make: Callable[[], Mapping[str, Any]]) -> object:
+    def document(self, key: str, make: Callable[[], Mapping[str, Any]]) -> None:
         """Answer every query of a key with the same document."""
-        return wire.StaticReply(self.session, key, make)
+        self._declared.append(wire.StaticReply(self.session, key, make).close)
 
-    def presence(self, robot: str, changed: Callable[[str, bool], None]) -> Present:
+    def presence(self, robot: str, changed: Callable[[str, bool], None]) -> wire.Presence:
         """Watch who is there."""
-        return wire.Presence(self.session, robot, changed)
+        presence = wire.Presence(self.session, robot, changed)
+        self._declared.append(presence.close)
+        return presence
 
-    def alive(self, robot: str, name: str) -> object:
+    def alive(self, robot: str, name: str) -> None:
         """Show that a capability is there."""
-        return wire.alive(self.session, robot, name)
+        self._declared.append(wire.alive(self.session, robot, name).undeclare)
 
     def close(self) -> None:
         """Leave the bus."""
-        self.session.close()
+        if self._shared:
+            for take_back in (*self._declared, *(feed.close for feed in self._feeds)):
+                _once_unborrowed(take_back)
+            self._declared.clear()
+        self._leave()
+
+
+class SharedSession:
+    """One session for several who share a process, from the first to the last of them.
+
+    A message of one of them reaches the others within the process, without a router; messages of others reach all of
+    them once.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._session: session.Session | None = None
+        self._parts = 0
+
+    def enter(self, connect: Callable[[], session.Session]) -> ZenohTransport:
+        """Return a part of it; BusError: the router does not let it in."""
+        with self._lock:
+            self._session = self._session or connect()
+            self._parts += 1
+            return ZenohTransport(self._session, self._leave, shared=True)
+
+    def _leave(self) -> None:
+        with self._lock:
+            self._parts -= 1
+            left, self._session = (None, self._session) if self._parts else (self._session, None)
+        if left is not None:
+            left.close()
+
+
+def _once_unborrowed(take_back: Callable[[], object]) -> None:
+    """Take a declaration back, once no other thread looks at it any more; it may have been taken back already."""
+    for _ in range(BORROWED_TRIES):
+        with suppress(zenoh.ZError):
+            try:
+                take_back()
+            except RuntimeError:  # "Already borrowed"
+                time.sleep(BORROWED_S)
+                continue
+        return

@@ -145,9 +145,9 @@ class Publisher:
         self._last = None
 
     def close(self) -> None:
-        """Stop publishing and answering."""
-        self._latest.undeclare()
+        """Stop publishing and answering; RuntimeError while another thread looks at the publisher."""
         self._publisher.undeclare()
+        self._latest.undeclare()
 
     def _watch(self, watching: Callable[[], None]) -> None:
         def look(_status: object = None) -> None:

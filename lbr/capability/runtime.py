@@ -168,7 +168,7 @@ class ProcessContext:
         join: Join | None = None,
         received_while_read: Collection[str] = (),
     ) -> None:
-        join = join or _by_zenoh
+        join = join or way_in.join
         self.robot = config.robot
         self.name = config.name
         self.simulated = config.simulated
@@ -242,7 +242,7 @@ class ProcessContext:
         }
         _serve_schemas(self._bus, config, kind)
         self._presence = self._bus.presence(config.robot, lambda _name, _alive: wake())
-        self._token = self._bus.alive(config.robot, config.name)
+        self._bus.alive(config.robot, config.name)
 
     @property
     def bus(self) -> session.Session | None:
@@ -491,10 +491,6 @@ class ProcessContext:
 def _plain(rows: Iterable[Row]) -> dict[str, msgspec.Raw]:
     """Return rows as they are told to others; raise msgspec.ValidationError for what their annotations refuse."""
     return by_table(msgspec.convert(msgspec.to_builtins(row), type(row)) for row in rows)
-
-
-def _by_zenoh(config: ProcessConfig, *, alone: bool) -> Transport:
-    return ZenohTransport(way_in.enter_alone(config) if alone else way_in.enter(config))
 
 
 def _read(name: str, payload: bytes, decoder: Decoder[Any]) -> Any:
