@@ -4,7 +4,7 @@ from random import Random
 from typing import Generic, TypeVar
 
 from lbr.simulation.faults import LineFaults
-from lbr.simulation.wire import Outbox, flip_one_bit, noise
+from lbr.simulation.wire import Outbox, flip_one_bit, noise, strikes
 
 TURNAROUND_S = 0.0005
 
@@ -51,9 +51,9 @@ class AsciiDevice(Generic[F]):
 
     def answer(self, text: str, now: float) -> None:
         """Answer a line, unless that is lost."""
-        if self.hit(self._faults.drop):
+        if strikes(self._faults.drop, self.random):
             return
-        if self.hit(self._faults.garbage):
+        if strikes(self._faults.garbage, self.random):
             self.send(noise(self.random), now)
         self.send(text.encode("ascii") + b"\r", now)
 
@@ -61,13 +61,9 @@ class AsciiDevice(Generic[F]):
         """Put bytes on the line."""
         if self._faults.silent:
             return
-        if self.hit(self._faults.bit_flip):
+        if strikes(self._faults.bit_flip, self.random):
             data = flip_one_bit(data, self.random)
         self.outbox.send(data, now, TURNAROUND_S)
-
-    def hit(self, probability: float) -> bool:
-        """Draw whether a fault strikes this time."""
-        return probability > 0 and self.random.random() < probability
 
     def _take(self, byte: int, now: float) -> None:
         self.outbox.received(1, now)

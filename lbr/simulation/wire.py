@@ -7,12 +7,14 @@ BYTE_S = 10 / 115_200
 """One byte at 115200 baud, 8N1."""
 
 _LIMIT_BYTES = 65_536
+_BABBLE_S = 0.004
 
 
 class Outbox:
     """Bytes on their way to the host, each chunk with the moment its last byte has crossed the line."""
 
-    def __init__(self) -> None:
+    def __init__(self, byte_s: float = BYTE_S) -> None:
+        self._byte_s = byte_s
         self._chunks: deque[tuple[float, bytes]] = deque()
         self._size = 0
         self._heard_at = 0.0
@@ -20,15 +22,18 @@ class Outbox:
 
     def received(self, count: int, now: float) -> None:
         """Account for the time that `count` bytes from the host took to arrive."""
-        self._heard_at = max(now, self._heard_at) + count * BYTE_S
+        self._heard_at = max(now, self._heard_at) + count * self._byte_s
 
     def send(self, data: bytes, now: float, turnaround_s: float = 0.0) -> None:
-        """Put an answer on the line; beyond what a port buffers, bytes are lost as they would be."""
-        if self._size + len(data) > _LIMIT_BYTES:
-            return
-        self._free_at = max(now, self._free_at, self._heard_at + turnaround_s) + len(data) * BYTE_S
-        self._chunks.append((self._free_at, data))
-        self._size += len(data)
+        """Put an answer on the line, as soon as that is free."""
+        if self._fits(data):
+            self._free_at = max(now, self._free_at, self._heard_at + turnaround_s) + len(data) * self._byte_s
+            self._put(data, self._free_at)
+
+    def arrive(self, data: bytes, at: float) -> None:
+        """Have bytes arrive at a time, behind those that were there before."""
+        if data and self._fits(data):
+            self._put(data, max(at, self._chunks[-1][0]) if self._chunks else at)
 
     def due(self, now: float) -> bytes:
         """Take what has crossed the line so far."""
@@ -43,11 +48,44 @@ class Outbox:
         """Return when the next chunk will have crossed, or None."""
         return self._chunks[0][0] if self._chunks else None
 
+    def lose_after(self, now: float) -> None:
+        """Lose what is still under way."""
+        while self._chunks and self._chunks[-1][0] > now:
+            self._size -= len(self._chunks.pop()[1])
+
     def clear(self) -> None:
         """Lose everything under way."""
         self._chunks.clear()
         self._size = 0
         self._heard_at = self._free_at = 0.0
+
+    def _fits(self, data: bytes) -> bool:
+        """Return whether a port buffers so much; beyond that bytes are lost."""
+        return self._size + len(data) <= _LIMIT_BYTES
+
+    def _put(self, data: bytes, at: float) -> None:
+        self._chunks.append((at, data))
+        self._size += len(data)
+
+
+class Babble:
+    """Noise all the time, while it is wanted."""
+
+    def __init__(self, random: Random) -> None:
+        self._random = random
+        self.next_at = 0.0
+
+    def due(self, now: float) -> bytes:
+        """Return the noise of now."""
+        if now < self.next_at:
+            return b""
+        self.next_at = now + self._random.uniform(0.5, 1.5) * _BABBLE_S
+        return noise(self._random)
+
+
+def strikes(probability: float, random: Random) -> bool:
+    """Draw whether a fault strikes this time."""
+    return probability > 0 and random.random() < probability
 
 
 def noise(random: Random) -> bytes:

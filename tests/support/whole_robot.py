@@ -28,10 +28,6 @@ from lbr.simulation.loop import WorldLoop
 
 BUS_S = 0.7 * ROUND_S
 """So much of each round a bus's thread works; its last transaction may take longer."""
-PORTS = (
-    *(f"lbr.simulation.devices.{name}" for name in ("roboteq", "ultrasonic_ring", "dynamixel", "infrared")),
-    "lbr.robots.uxa90.twin",
-)
 LINES = (
     *(f"lbr.drivers.{name}" for name in ("roboteq.capability", "ultrasonic.capability", "servos.line")),
     "lbr.robots.uxa90.driver.session",
@@ -244,8 +240,7 @@ class WholeRobot:
         patch.setattr(WorldLoop, "open", begin)
         patch.setattr(BusThread, "start", lambda thread: self.threads.append((self.opens, thread)))
         patch.setattr("lbr.simulation.twins.i2c.SocketPort", MemorySocket)
-        for device in PORTS:
-            patch.setattr(f"{device}.twin.PtyPort", MemoryPort)
+        patch.setattr("lbr.simulation.twins.line.PtyPort", MemoryPort)
         for module in LINES:
             patch.setattr(f"{module}.open_line", partial(Line, self))
         patch.setattr("lbr.drivers.dynamixel.capability.open_servo_line", partial(Line, self))

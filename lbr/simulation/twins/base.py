@@ -148,6 +148,12 @@ class PortTwin(Generic[P, F]):
         """Return the descriptor whose bytes it will take; None: none now."""
         return self.port.fileno() if self.port.plugged else None
 
+    def next_due(self) -> float | None:
+        """Return when it next has something to do by itself: never, unless a twin overrides this."""
+
+    def sense(self, sensed: Sensed) -> None:
+        """Take in what the world lets it measure: nothing, unless a twin overrides this."""
+
     def close(self) -> None:
         """Pull it out."""
         self.port.unplug()

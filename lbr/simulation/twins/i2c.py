@@ -7,9 +7,9 @@ from typing import TypeVar
 
 from lbr.simulation.faults import I2cFaults
 from lbr.simulation.i2c import FramingError, I2cDevice, Message, RequestReader, refusal, transfer
-from lbr.simulation.measured import Sensed
 from lbr.simulation.socket_port import SocketPort
 from lbr.simulation.twins.base import PortTwin, plug
+from lbr.simulation.wire import strikes
 
 F = TypeVar("F", bound=I2cFaults)
 
@@ -39,12 +39,6 @@ class I2cTwin(PortTwin[SocketPort, F], ABC):
             for client, data in self.port.receive():
                 self._serve(client, data, now)
 
-    def next_due(self) -> float | None:
-        """Return when it next has something to do by itself: never."""
-
-    def sense(self, sensed: Sensed) -> None:
-        """Receive the measurements of the world: none, unless a twin overrides this."""
-
     def _serve(self, client: int, data: bytes, now: float) -> None:
         if not data or self._faults.silent:
             self._requests.pop(client, None)
@@ -62,14 +56,11 @@ class I2cTwin(PortTwin[SocketPort, F], ABC):
 
     def _answer(self, messages: tuple[Message, ...], now: float) -> bytes:
         faults = self._faults
-        if self._hit(faults.nak):
+        if strikes(faults.nak, self._random):
             return refusal()
         answer = transfer(self.devices(), messages, now)
         if faults.all_ones:
             answer = answer[:1] + b"\xff" * (len(answer) - 1)
-        if self._hit(faults.half):
+        if strikes(faults.half, self._random):
             answer = answer[: self._random.randrange(len(answer))]
         return answer
-
-    def _hit(self, probability: float) -> bool:
-        return probability > 0 and self._random.random() < probability

@@ -6,12 +6,12 @@ from lbr.capability.context import Device
 from lbr.robots.uxa90.twin import Uxa90Faults, Uxa90Row
 from lbr.robots.uxa90.twin.board import MainBoard
 from lbr.simulation.measured import Sensed, ServoDrive, ServoFelt
-from lbr.simulation.port import PtyPort
 from lbr.simulation.trace import TraceFile
-from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
+from lbr.simulation.twins.base import Surroundings, row
+from lbr.simulation.twins.line import LineTwin
 
 
-class Uxa90Twin(PortTwin[PtyPort, Uxa90Faults]):
+class Uxa90Twin(LineTwin[Uxa90Faults]):
     """Moves a body's joints, and measures them; without a body its servos turn by themselves, carrying nothing.
 
     Its trace has lines of `monotonic_ns` and one of: `read HEX`, what came as one piece; `said HEX`; `mode`, then
@@ -20,36 +20,29 @@ class Uxa90Twin(PortTwin[PtyPort, Uxa90Faults]):
 
     def __init__(self, device: Device, around: Surroundings) -> None:
         settings = row(device, Uxa90Row)
-        super().__init__(device.name, PtyPort(device.address), settings.faults)
         self.board = MainBoard(settings, seed=around.seed_for(device))
+        super().__init__(device, settings.faults, self.board)
         wanted = f"{device.address}.trace" if settings.trace else ""
         self._trace = TraceFile(wanted, f"device '{device.name}', setting `trace`")
         self._was = ""
 
-    def watched(self) -> int | None:
-        """Return the descriptor whose bytes it will take; None: none now."""
-        return None if self._faults.stop_reading else super().watched()
+    def cable(self, now: float) -> None:
+        """Trace the cable."""
+        self._trace.write(now, "plugged" if self.port.plugged else "unplugged")
 
-    def service(self, now: float) -> None:
-        """Do all that is due: the cable, bytes in, bytes out."""
-        if self.board.faults is not self._faults:
-            self.board.faults = self._faults
-        was_plugged = self.port.plugged
-        plug(self.port, present=not self._faults.unplug)
-        if self.port.plugged != was_plugged:
-            self._trace.write(now, "plugged" if self.port.plugged else "unplugged")
-        heard = b"" if self._faults.stop_reading else self.port.read()
-        if heard:
-            self._trace.write(now, f"read {heard.hex()}")
-        answers = self.board.feed(heard, now, self.port.baud()) if heard else self.board.poll(now)
+    def hear(self, data: bytes, now: float) -> bytes:
+        """Take bytes at the rate that the host has set; return what has crossed the line back."""
+        if data:
+            self._trace.write(now, f"read {data.hex()}")
+        answers = self.board.feed(data, now, self.port.baud()) if data else self.board.poll(now)
         self._tell_mode(now)
-        if answers and self.port.plugged:
-            self._trace.write(now, f"said {answers.hex()}")
-            self.port.write(answers)
+        return answers
 
-    def next_due(self) -> float | None:
-        """Return when it next has something to say or to do."""
-        return self.board.next_due()
+    def say(self, data: bytes, now: float) -> None:
+        """Put bytes on the line, if its cable is in."""
+        if self.port.plugged:
+            self._trace.write(now, f"said {data.hex()}")
+            super().say(data, now)
 
     def sense(self, sensed: Sensed) -> None:
         """Measure how it is held; its servos feel each step of the world."""

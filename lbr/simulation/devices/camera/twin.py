@@ -6,7 +6,6 @@ from lbr.capability.context import Device
 from lbr.errors import InputError
 from lbr.simulation.devices.camera import CameraFaults, CameraRow
 from lbr.simulation.faults import FaultValue
-from lbr.simulation.measured import Sensed
 from lbr.simulation.socket_port import SocketPort
 from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 
@@ -37,12 +36,6 @@ class CameraTwin(PortTwin[SocketPort, CameraFaults]):
             connection = self.port.hand_over(client)
             if connection is not None:
                 self._cameras.watch(self.name, self._mount, connection)
-
-    def next_due(self) -> float | None:
-        """Return when it next has something to do by itself: never."""
-
-    def sense(self, sensed: Sensed) -> None:
-        """Nothing: what it sees is drawn elsewhere."""
 
 
 def _mount(device: Device, wanted: str, mounts: tuple[str, ...]) -> str:

@@ -4,7 +4,6 @@ Where two talk at once both are lost. A packet takes effect when its last byte i
 goes; its effect on the servo is computed when it is handed in, a little early.
 """
 
-from collections import deque
 from collections.abc import Callable, Iterable
 from random import Random
 
@@ -13,7 +12,7 @@ from lbr.simulation.devices.dynamixel import DynamixelFaults
 from lbr.simulation.devices.dynamixel.dongle import NUMBER, STRAY, Usb2Ax
 from lbr.simulation.devices.dynamixel.packets import BROADCAST, Instruction, InstructionReader
 from lbr.simulation.devices.dynamixel.servo import AxServo
-from lbr.simulation.wire import flip_one_bit, noise
+from lbr.simulation.wire import Babble, Outbox, flip_one_bit, noise, strikes
 
 LATE_S = 0.012
 """The delay of a late answer."""
@@ -21,9 +20,7 @@ LATE_S = 0.012
 PIECES_S = 0.0005
 """The pause between the pieces of an answer in pieces."""
 
-_BABBLE_S = 0.004
 _BAUD_TOLERANCE = 0.03
-_LIMIT_BYTES = 65_536
 
 OnInstruction = Callable[[Instruction, float], None]
 
@@ -50,8 +47,9 @@ class DynamixelBus:
         self._faults = DynamixelFaults()
         self._supplied = True
         self._reader = InstructionReader()
-        self._out: deque[tuple[float, bytes]] = deque()
-        self._host_free = self._answered = self._babbled = 0.0
+        self._babble = Babble(self._random)
+        self._outbox = Outbox()
+        self._host_free = self._answered = 0.0
         self._by_id: dict[int, list[AxServo]] = {}
         self._index()
         self.faults = faults or DynamixelFaults()
@@ -89,7 +87,7 @@ class DynamixelBus:
         begin = max(now + self.timing.usb_us * 0.5e-6, self._host_free)
         self._host_free = begin + len(data) * self._byte_s
         if self._faults.echo:
-            self._send(data, self._host_free)
+            self._outbox.arrive(data, self._host_free)
         for instruction in self._reader.feed(data, now):
             end = begin + instruction.end * self._byte_s
             if end - instruction.size * self._byte_s < self._answered:
@@ -100,20 +98,14 @@ class DynamixelBus:
 
     def poll(self, now: float) -> bytes:
         """Return what has reached the host so far."""
-        if self._faults.babbling and now >= self._babbled:
-            self._babbled = now + self._random.uniform(0.5, 1.5) * _BABBLE_S
-            self._send(noise(self._random), now)
-        said = []
-        while self._out and self._out[0][0] <= now:
-            said.append(self._out.popleft()[1])
-        return b"".join(said)
+        if self._faults.babbling:
+            self._outbox.arrive(self._babble.due(now), now)
+        return self._outbox.due(now)
 
     def next_due(self) -> float | None:
         """Return when something reaches the host next."""
-        due = self._out[0][0] if self._out else None
-        if not self._faults.babbling:
-            return due
-        return self._babbled if due is None else min(due, self._babbled)
+        dues = (self._outbox.next_due(), self._babble.next_at if self._faults.babbling else None)
+        return min((at for at in dues if at is not None), default=None)
 
     # Packets.
 
@@ -129,7 +121,7 @@ class DynamixelBus:
             self._answer(reply, at)
             return
         if self._dongle is not None and (stray := self._dongle.stray(instruction)):
-            self._send(stray, end)
+            self._outbox.arrive(stray, end)
         if instruction.id == BROADCAST:
             for servo in self.servos:
                 if self._hears(servo, end):
@@ -149,7 +141,11 @@ class DynamixelBus:
                 continue
             begin = self._begins(servo, instruction, at)
             reply = servo.execute(instruction, at)
-            if reply is not None and instruction.id not in self._faults.silent and not self._hit(self._faults.drop):
+            if (
+                reply is not None
+                and instruction.id not in self._faults.silent
+                and not strikes(self._faults.drop, self._random)
+            ):
                 replies.append(reply)
                 end = max(end, self.timing.finished(begin, len(reply) * self._byte_s, servo.rhythm))
         if instruction.code > 2:
@@ -182,7 +178,7 @@ class DynamixelBus:
         if twice:
             seen = bytes(byte & (byte << 1 | 1) for byte in seen)
         babbled = self._faults.babbling and self._random.random() < 0.3
-        return flip_one_bit(seen, self._random) if babbled or self._hit(self._faults.bit_flip) else seen
+        return flip_one_bit(seen, self._random) if babbled or strikes(self._faults.bit_flip, self._random) else seen
 
     def _answer(self, reply: bytes | None, at: float) -> None:
         """Put an answer that is over `at` on its way to the host."""
@@ -190,30 +186,22 @@ class DynamixelBus:
             return
         self._answered = at
         faults, dongle = self._faults, self._dongle
-        if self._hit(faults.stray):
-            self._send(STRAY, at)
-        if self._hit(faults.garbage):
-            self._send(noise(self._random), at)
-        if self._hit(faults.half):
+        if strikes(faults.stray, self._random):
+            self._outbox.arrive(STRAY, at)
+        if strikes(faults.garbage, self._random):
+            self._outbox.arrive(noise(self._random), at)
+        if strikes(faults.half, self._random):
             reply = reply[: self._random.randrange(len(reply))]
         due = at + self.timing.usb_us * 0.5e-6 + (dongle.held_s(len(reply)) if dongle is not None else 0.0)
-        if self._hit(faults.late):
+        if strikes(faults.late, self._random):
             due += LATE_S
-        if self._hit(faults.pieces):
+        if strikes(faults.pieces, self._random):
             cut = self._random.randrange(1, max(2, len(reply)))
-            self._send(reply[:cut], due)
+            self._outbox.arrive(reply[:cut], due)
             reply, due = reply[cut:], due + PIECES_S
-        self._send(reply, due)
+        self._outbox.arrive(reply, due)
 
     def _collide(self, now: float) -> None:
         """Lose what is on the line."""
-        while self._out and self._out[-1][0] > now:
-            self._out.pop()
+        self._outbox.lose_after(now)
         self._answered = 0.0
-
-    def _send(self, data: bytes, due: float) -> None:
-        if data and sum(len(waiting) for _, waiting in self._out) + len(data) <= _LIMIT_BYTES:
-            self._out.append((max(due, self._out[-1][0]) if self._out else due, data))
-
-    def _hit(self, probability: float) -> bool:
-        return probability > 0 and self._random.random() < probability

@@ -9,20 +9,19 @@ from lbr.simulation.devices.dynamixel import DynamixelFaults, DynamixelRow
 from lbr.simulation.devices.dynamixel.bus import DynamixelBus, OnInstruction
 from lbr.simulation.devices.dynamixel.dongle import Usb2Ax
 from lbr.simulation.devices.dynamixel.servo import AxServo
-from lbr.simulation.measured import Sensed, ServoDrive, ServoFelt
-from lbr.simulation.port import PtyPort
-from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
+from lbr.simulation.measured import ServoDrive, ServoFelt
+from lbr.simulation.twins.base import Surroundings, row
+from lbr.simulation.twins.line import LineTwin
 
 LEAST_SUPPLY_V = 5.0
 """Below that a servo's processor is out; what it complains of begins higher."""
 
 
-class DynamixelTwin(PortTwin[PtyPort, DynamixelFaults]):
+class DynamixelTwin(LineTwin[DynamixelFaults]):
     """Moves a body's joints, and measures them; without a body its servos turn by themselves, carrying nothing."""
 
     def __init__(self, device: Device, around: Surroundings, on_instruction: OnInstruction | None = None) -> None:
         settings = row(device, DynamixelRow)
-        super().__init__(device.name, PtyPort(device.address), settings.faults)
         seed = around.seed_for(device)
         self.bus = DynamixelBus(
             servos(settings, seed),
@@ -32,23 +31,11 @@ class DynamixelTwin(PortTwin[PtyPort, DynamixelFaults]):
             seed=seed,
             on_instruction=on_instruction,
         )
+        super().__init__(device, settings.faults, self.bus)
 
-    def service(self, now: float) -> None:
-        """Do all that is due: the cable, bytes in, bytes out."""
-        if self.bus.faults is not self._faults:
-            self.bus.faults = self._faults
-        plug(self.port, present=not self._faults.unplug)
-        heard = self.port.read()
-        said = self.bus.feed(heard, now, self.port.baud()) if heard else self.bus.poll(now)
-        if said:
-            self.port.write(said)
-
-    def next_due(self) -> float | None:
-        """Return when it next has something to say."""
-        return self.bus.next_due()
-
-    def sense(self, sensed: Sensed) -> None:
-        """Nothing: its servos feel each step of the world."""
+    def hear(self, data: bytes, now: float) -> bytes:
+        """Take bytes at the rate that the host has set; return what has crossed the line back."""
+        return self.bus.feed(data, now, self.port.baud()) if data else self.bus.poll(now)
 
     def drives(self, _now: float) -> Mapping[int, ServoDrive]:
         """Return what each servo's motor does now; a servo without supply is limp."""

@@ -7,7 +7,6 @@ from lbr.capability.context import Device
 from lbr.simulation.devices.gamepad import GamepadFaults, GamepadRow
 from lbr.simulation.devices.gamepad.device import EmulatedGamepad
 from lbr.simulation.faults import FaultValue
-from lbr.simulation.measured import Sensed
 from lbr.simulation.port import PtyPort
 from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 
@@ -38,10 +37,3 @@ class GamepadTwin(PortTwin[PtyPort, GamepadFaults]):
             records += self._pad.poll(now)
         if records:
             self.port.write(records)
-
-    def next_due(self) -> float | None:
-        """Return that it does nothing by itself: a hand does."""
-        return None
-
-    def sense(self, sensed: Sensed) -> None:
-        """Feel nothing of the world."""

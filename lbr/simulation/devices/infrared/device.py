@@ -9,7 +9,7 @@ from random import Random
 
 from lbr.simulation.devices.infrared import InfraredFaults
 from lbr.simulation.measured import Beam
-from lbr.simulation.wire import noise
+from lbr.simulation.wire import noise, strikes
 
 EVERY_S = 0.11
 RECORD = struct.Struct("<QHHIQ")
@@ -58,13 +58,10 @@ class InfraredReceiver:
     def _record(self, code: int, now: float) -> bytes:
         faults = self.faults
         record = RECORD.pack(int(now * 1e9), 0, self._protocol, 0, code)
-        if self._hit(faults.half):
+        if strikes(faults.half, self._random):
             record = record[: self._random.randrange(RECORD.size)]
-        if self._hit(faults.garbage):
+        if strikes(faults.garbage, self._random):
             record = noise(self._random) + record
-        if self._hit(faults.stray):
+        if strikes(faults.stray, self._random):
             record = RECORD.pack(int(now * 1e9), 0, self._protocol, 0, _STRAY_CODE) + record
         return record
-
-    def _hit(self, probability: float) -> bool:
-        return probability > 0 and self._random.random() < probability

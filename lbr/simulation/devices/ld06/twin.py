@@ -8,31 +8,23 @@ from lbr.messages.sensing import RangeSensor
 from lbr.simulation.devices.ld06 import Ld06Faults, Ld06Row
 from lbr.simulation.devices.ld06.device import Ld06
 from lbr.simulation.measured import Sensed
-from lbr.simulation.port import PtyPort
-from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
+from lbr.simulation.twins.base import Surroundings, row
+from lbr.simulation.twins.line import LineTwin
 
 
-class Ld06Twin(PortTwin[PtyPort, Ld06Faults]):
+class Ld06Twin(LineTwin[Ld06Faults]):
     """Reports what is around the place that its row of `range_sensor` says; without that row, nothing."""
 
     def __init__(self, device: Device, around: Surroundings) -> None:
         settings = row(device, Ld06Row)
-        super().__init__(device.name, PtyPort(device.address), settings.faults)
         self._sensor = next((sensor for sensor in around.sensors if sensor.name == settings.sensor), None)
         self._lidar = Ld06(faults=settings.faults, seed=around.seed_for(device), powered_at=around.now)
+        super().__init__(device, settings.faults, self._lidar)
 
-    def service(self, now: float) -> None:
-        """Do all that is due: the cable, bytes out; its input is lost."""
-        self._lidar.faults = self._faults
-        if plug(self.port, present=not self._lidar.faults.unplug):
+    def cable(self, now: float) -> None:
+        """Begin anew with each cable, which brings its power."""
+        if self.port.plugged:
             self._lidar.power_cycle(now)
-        self.port.read()
-        if said := self._lidar.poll(now):
-            self.port.write(said)
-
-    def next_due(self) -> float | None:
-        """Return when it next has something to do by itself."""
-        return self._lidar.next_due()
 
     def sense(self, sensed: Sensed) -> None:
         """Face what the world puts around it."""

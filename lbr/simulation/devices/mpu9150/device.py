@@ -15,6 +15,7 @@ from lbr.simulation.devices.mpu9150.ak8975 import ADDRESS as COMPASS_ADDRESS
 from lbr.simulation.devices.mpu9150.ak8975 import SENSITIVITY, Ak8975
 from lbr.simulation.i2c import I2cDevice, RegisterDevice
 from lbr.simulation.measured import ImuReading
+from lbr.simulation.wire import strikes
 
 ADDRESS = 0x68
 G_MPS2 = 9.80665
@@ -148,7 +149,7 @@ class Mpu9150(RegisterDevice):
 
     def _spun(self) -> Vector:
         x, y, z = self._shaken(self._felt.gyro_rps, "gyro_rps")
-        if self._faults.jump > 0 and self._random.random() < self._faults.jump:
+        if strikes(self._faults.jump, self._random):
             z += self._random.choice((-_JUMP_RPS, _JUMP_RPS))
         return (x, y, z)
 

@@ -3,7 +3,7 @@
 from lbr.capability.context import Device
 from lbr.simulation.devices.phidget_spatial import PhidgetSpatialFaults, PhidgetSpatialRow
 from lbr.simulation.devices.phidget_spatial.device import PhidgetSpatial
-from lbr.simulation.measured import ImuReading, Sensed
+from lbr.simulation.measured import ImuReading
 from lbr.simulation.socket_port import SocketPort
 from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 
@@ -39,9 +39,6 @@ class PhidgetSpatialTwin(PortTwin[SocketPort, PhidgetSpatialFaults]):
     def next_due(self) -> float | None:
         """Return when the next records are."""
         return self._unit.next_due() if self._client in self.port.clients else None
-
-    def sense(self, sensed: Sensed) -> None:
-        """Nothing: it feels each step of the world."""
 
     def feel(self, reading: ImuReading, now: float) -> None:  # noqa: ARG002 - its records are dated when they are due
         """Take in what it measures now."""

@@ -12,6 +12,7 @@ from lbr.simulation.ahrs import Orientation, angles_deg
 from lbr.simulation.ascii_device import AsciiDevice
 from lbr.simulation.devices.riox import RioxFaults, RioxRow
 from lbr.simulation.measured import ImuReading
+from lbr.simulation.wire import strikes
 
 G_MPS2 = 9.80665
 
@@ -65,12 +66,12 @@ class RioxDevice(AsciiDevice[RioxFaults]):
         """Obey a line, and answer."""
         if line:
             words = line.upper().split()
-            refused = self.hit(self.faults.refuse)
+            refused = strikes(self.faults.refuse, self.random)
             self.answer("-" if refused else self._reply(words), now)
 
     def send(self, data: bytes, now: float) -> None:
         """Put bytes on the line: whole, cut short or in pieces."""
-        if self.hit(self.faults.half):
+        if strikes(self.faults.half, self.random):
             data = data[: self.random.randrange(len(data))]
         if not self.faults.pieces:
             super().send(data, now)
@@ -99,7 +100,7 @@ class RioxDevice(AsciiDevice[RioxFaults]):
     def _measured(self) -> list[float]:
         row, felt = self._settings, self._felt
         x, y, z = felt.gyro_rps
-        if self.hit(self.faults.jump):
+        if strikes(self.faults.jump, self.random):
             z += self.random.choice((-_JUMP_RPS, _JUMP_RPS))
         return [
             *(axis / G_MPS2 * row.accel_lsb_per_g for axis in felt.accel_mps2),

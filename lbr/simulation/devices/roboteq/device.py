@@ -13,6 +13,7 @@ from msgspec import Struct
 from lbr.simulation.ascii_device import AsciiDevice
 from lbr.simulation.devices.roboteq import RoboteqFaults
 from lbr.simulation.devices.roboteq.power_stage import DEFAULT_WATCHDOG_MS, FULL, PowerStage
+from lbr.simulation.wire import strikes
 
 REBOOT_S = 0.5
 
@@ -144,7 +145,7 @@ class RoboteqDevice(AsciiDevice[RoboteqFaults]):
             self.answer(self._read_setting(rest.split()), now)
         else:
             act = {"!": self._runtime, "^": self._configure, "%": self._maintain}.get(kind)
-            obeyed = act is not None and not self.hit(self._faults.refuse) and act(rest, now)
+            obeyed = act is not None and not strikes(self._faults.refuse, self.random) and act(rest, now)
             self.answer("+" if obeyed else "-", now)
         if kind == "!" and self._on_command:
             self._on_command(line, now)

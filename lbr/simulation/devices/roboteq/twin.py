@@ -6,8 +6,8 @@ from lbr.capability.context import Device
 from lbr.simulation.devices.roboteq import RoboteqFaults, RoboteqRow
 from lbr.simulation.devices.roboteq.device import Measured, RoboteqDevice
 from lbr.simulation.measured import Sensed
-from lbr.simulation.port import PtyPort
-from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
+from lbr.simulation.twins.base import Surroundings, row
+from lbr.simulation.twins.line import LineTwin
 
 Pair = tuple[float, float]
 N = TypeVar("N", int, float)
@@ -17,37 +17,33 @@ _AMBIENT_C = 28.0
 _WARMING_C_PER_A = 0.8
 
 
-class RoboteqTwin(PortTwin[PtyPort, RoboteqFaults]):
+class RoboteqTwin(LineTwin[RoboteqFaults]):
     """Moves the wheels, and measures motors and battery."""
 
     def __init__(self, device: Device, around: Surroundings) -> None:
         self._row = row(device, RoboteqRow)
-        super().__init__(device.name, PtyPort(device.address), self._row.faults)
         self._trace = around.trace
         self._device = RoboteqDevice(faults=self._row.faults, seed=around.seed_for(device), on_command=self._trace_line)
         self._left_index = self._row.left_channel - 1
-
-    def watched(self) -> int | None:
-        """Return the descriptor whose bytes it will take; None: none now."""
-        return None if self._device.faults.stop_reading else super().watched()
+        super().__init__(device, self._row.faults, self._device)
 
     def service(self, now: float) -> None:
         """Do all that is due: the cable, bytes in, bytes out, the outputs."""
-        if self._device.faults is not self._faults:
-            self._device.faults = self._faults
-        present = self._device.present(now)
-        if self.port.plugged and not present and self._device.faults.unplug:
-            self._trace.outputs(now, self.wheels(now), "unplug", always=True)
-        plug(self.port, present=present)
-        heard = b"" if self._device.faults.stop_reading else self.port.read()
-        answer = self._device.feed(heard, now) if heard else self._device.poll(now)
-        if answer:
-            self.port.write(answer)
+        super().service(now)
         self._trace.outputs(now, self.wheels(now), self._device.cause(now))
 
-    def next_due(self) -> float | None:
-        """Return when it next has something to do by itself."""
-        return self._device.next_due()
+    def present(self, now: float) -> bool:
+        """Return whether the host sees the port."""
+        return self._device.present(now)
+
+    def cable(self, now: float) -> None:
+        """Tell what the outputs were when the cable was pulled out."""
+        if self._faults.unplug:
+            self._trace.outputs(now, self.wheels(now), "unplug", always=True)
+
+    def hear(self, data: bytes, now: float) -> bytes:
+        """Take bytes; return what has crossed the line back."""
+        return self._device.feed(data, now)
 
     def wheels(self, now: float) -> Pair:
         """Return the power of the left and the right wheel, forward positive."""

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from random import Random
 
 from lbr.simulation.devices.ultrasonic_ring import Board, UltrasonicFaults
-from lbr.simulation.wire import Outbox, noise
+from lbr.simulation.wire import Outbox, noise, strikes
 
 ORDER: tuple[str, ...] = ("forward", "left", "right", "back")
 """The order of the sensors' turns, so that none receives the echo of another."""
@@ -126,9 +126,9 @@ class UltrasonicBoard:
         line = f'{{ "Ranges": {{ {fields}, "Bottom": {_BOTTOM[self.board]}, "Deltat": {ticks}{others}}}}}\r\n'.encode(
             "ascii"
         )
-        if self._hit(self.faults.garbage):
+        if strikes(self.faults.garbage, self._random):
             self._send(noise(self._random), now)
-        if self._hit(self.faults.half_lines):
+        if strikes(self.faults.half_lines, self._random):
             line = line[: self._random.randrange(1, len(line) - 2)]
         self._send(line, now)
         self._told_s, self._cycle_s = _PAUSE_S + self._cycle_s, 0.0
@@ -141,6 +141,3 @@ class UltrasonicBoard:
     def _send(self, data: bytes, now: float) -> None:
         if not self.faults.silent:
             self._outbox.send(data, now)
-
-    def _hit(self, probability: float) -> bool:
-        return probability > 0 and self._random.random() < probability

@@ -8,16 +8,15 @@ from lbr.simulation.devices.ultrasonic_ring import UltrasonicFaults, UltrasonicR
 from lbr.simulation.devices.ultrasonic_ring.device import ORDER, UltrasonicBoard
 from lbr.simulation.faults import FaultValue
 from lbr.simulation.measured import Sensed
-from lbr.simulation.port import PtyPort
-from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
+from lbr.simulation.twins.base import Surroundings, row
+from lbr.simulation.twins.line import LineTwin
 
 
-class UltrasonicTwin(PortTwin[PtyPort, UltrasonicFaults]):
+class UltrasonicTwin(LineTwin[UltrasonicFaults]):
     """Reports how far away things are."""
 
     def __init__(self, device: Device, around: Surroundings) -> None:
         settings = row(device, UltrasonicRow)
-        super().__init__(device.name, PtyPort(device.address), settings.faults)
         self._board = UltrasonicBoard(
             settings.board,
             faults=settings.faults,
@@ -25,6 +24,7 @@ class UltrasonicTwin(PortTwin[PtyPort, UltrasonicFaults]):
             powered_at=around.now,
             more=tuple(one.name for one in around.sensors if one.rays == 1 and one.level and one.name not in ORDER),
         )
+        super().__init__(device, settings.faults, self._board)
 
     def fault(self, name: str, value: FaultValue) -> dict[str, Any]:
         """Set a fault and return them all; raise InputError saying what is allowed, also for a sensor that is not
@@ -37,19 +37,14 @@ class UltrasonicTwin(PortTwin[PtyPort, UltrasonicFaults]):
             raise InputError(f"fault '{name}': there is no sensor '{strange[0]}'; there is {', '.join(sensors)}")
         return faults
 
-    def service(self, now: float) -> None:
-        """Do all that is due: the cable, bytes in, bytes out."""
-        self._board.faults = self._faults
-        if plug(self.port, present=not self._board.faults.unplug):
+    def cable(self, now: float) -> None:
+        """Begin anew with each cable, which brings its power."""
+        if self.port.plugged:
             self._board.power_cycle(now)
-        heard = self.port.read()
-        said = self._board.feed(heard, now) if heard else self._board.poll(now)
-        if said:
-            self.port.write(said)
 
-    def next_due(self) -> float | None:
-        """Return when it next has something to do by itself."""
-        return self._board.next_due()
+    def hear(self, data: bytes, now: float) -> bytes:
+        """Take bytes; return what has crossed the line back."""
+        return self._board.feed(data, now)
 
     def sense(self, sensed: Sensed) -> None:
         """Face what the world puts before the sensors."""
