@@ -26,7 +26,7 @@ from lbr.apps.foxglove.messages import FoxgloveState
 from lbr.apps.foxglove.pictures import Pictures
 from lbr.apps.foxglove.services import ESTOP, STOP, Service
 from lbr.apps.foxglove.socket import Viewer
-from lbr.apps.http import listening
+from lbr.apps.http import listening, peers
 from lbr.apps.http.connection import connection_of
 from lbr.apps.http.pages import Pages
 from lbr.apps.http.rates import Rates
@@ -38,10 +38,10 @@ from lbr.apps.web.api.feeds import Feeds
 from lbr.apps.web.api.requests import LINE_S, source_of
 from lbr.apps.web.api.robot_bus import RobotBus, opened
 from lbr.apps.web.api.service import NO_BUS, NOT_YET, Api
-from lbr.apps.web.application import Gate, application, is_owners
+from lbr.apps.web.application import Gate, application
 from lbr.apps.web.bridge import Bridge, until
 from lbr.apps.web.face import Client, Message, Refused, Request, declared, get, json, post, refuse_without
-from lbr.apps.web.guards import Counts, address_of, headers_of
+from lbr.apps.web.guards import Counts, headers_of
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.serving import Serving
 from lbr.apps.web.sessions import Sessions
@@ -112,12 +112,11 @@ class Door(BaseRoute):
         headers = headers_of(scope)
         self._gate.refuse_strangers(scope, headers)
         shown = shown_token(scope) or HTTPConnection(scope).query_params.get("token", "")
-        owner = not shown and "authorization" not in headers and await is_owners(scope, address_of(scope))
-        client = await self._gate.client(scope, headers, shown, owner=owner and "origin" not in headers)
+        client = await self._gate.client(scope, headers, shown, owner="origin" not in headers, signs_in=True)
         refuse_without(client, "view")
         if full := self._viewers.why_not(who(client)):
             raise Refused(503, f"{full} are connected already", {"Retry-After": "10"}, "busy")
-        return client, owner or client.known
+        return client, client.known or peers.is_own(client.whose)
 
 
 class Foxglove(Capability[FoxgloveSettings]):
@@ -184,7 +183,7 @@ class Foxglove(Capability[FoxgloveSettings]):
         self._renew(now)
         if self.api.known is not None and self.api.known is not self._known:
             self._known = self.api.known
-            self._number(self.api.known.told)
+            self._number(self.api.known.robot)
         while self._counts.news:
             kind, text, level = self._counts.news.popleft()
             self.ctx.event(kind, text, level=level)
@@ -312,7 +311,7 @@ class Foxglove(Capability[FoxgloveSettings]):
         known = self.api.known
         if known is None or not self.sources:
             raise Refused(503, NOT_YET, {"Retry-After": "1"}, "not_ready")
-        drives = known.told.base is not None
+        drives = known.robot.base is not None
         return json(layout(self.sources.values(), self.services.values(), drives=drives))
 
     @post("/stop", stops=True, within_s=LINE_S + 1.0)

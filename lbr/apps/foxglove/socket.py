@@ -388,7 +388,7 @@ def motion(channel: protocol.Published, payload: bytes, api: Api) -> tuple[str, 
         raise InputError(
             f"nothing on this robot listens to '{topic}': publish a Twist, or on a command's topic", "unknown_name"
         )
-    base = known.told.base if known is not None else None
+    base = known.robot.base if known is not None else None
     if base is None:
         raise InputError("this robot has no base that takes a twist", "not_possible")
     fields = fields.get("twist", fields)

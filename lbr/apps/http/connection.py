@@ -123,8 +123,6 @@ class Connection(asyncio.Protocol):
     transport: asyncio.Transport
 
     def __init__(self, app: ASGIApp, config: uvicorn.Config, state: ServerState, slots: Slots) -> None:
-        self.owner: bool | None = None
-        """True if the peer runs as this robot's own user; None until the server has checked."""
         self.whose: str | None = None
         """The user of the peer's program, see `peers.whose`; None until the server has checked."""
         self.is_writable = asyncio.Event()

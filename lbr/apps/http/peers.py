@@ -75,12 +75,6 @@ def _names_a_relay(header: str) -> bool:
     return name in _PASSED_ON_WHOLE or words[0] in _PASSED_ON_BY or not _PASSED_ON.isdisjoint(words)
 
 
-def is_owners(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Path] = TABLES) -> bool:
-    """Return whether a program of this process's own user holds the other end of a connection; reads files."""
-    uid = os.geteuid()
-    return uid != NOBODY and uid_of(client, server, tables) == uid
-
-
 def whose(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Path] = TABLES) -> str | None:
     """Return whose program is at the other end: a user of this machine's, or empty for another machine's; reads files.
 
@@ -91,6 +85,11 @@ def whose(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Pat
         return None if ip is None else ""
     uid = uid_of(client, server, tables)
     return None if uid in {None, NOBODY} else f"user {uid}"
+
+
+def is_own(user: str | None) -> bool:
+    """Return whether a user, as `whose` returns it, is this process's own."""
+    return user == f"user {os.geteuid()}"
 
 
 def is_held(connection: socket.socket) -> bool:

@@ -21,10 +21,10 @@ from lbr.apps.mcp.server import Context as AgentContext
 from lbr.apps.mcp.server import McpServer
 from lbr.apps.web.access import Access
 from lbr.apps.web.advertised_address import AdvertisedAddress
-from lbr.apps.web.application import Gate, application, is_owners
+from lbr.apps.web.application import Gate, application
 from lbr.apps.web.bridge import Bridge
 from lbr.apps.web.face import Client, refuse_without
-from lbr.apps.web.guards import Counts, address_of, headers_of
+from lbr.apps.web.guards import Counts, headers_of
 from lbr.apps.web.serving import Serving
 from lbr.apps.web.viewing import who
 from lbr.bus.door import LanUser
@@ -60,8 +60,7 @@ class Door(BaseRoute):
         """Serve one request; raise Refused."""
         headers = headers_of(scope)
         self._gate.refuse_strangers(scope, headers)
-        owner = "authorization" not in headers and await is_owners(scope, address_of(scope))
-        client = await self._gate.client(scope, headers, owner=owner)
+        client = await self._gate.client(scope, headers, owner=True)
         refuse_without(client, "view")
         scope[CLIENT] = client
         if (connection := connection_of(scope)) is not None:

@@ -86,10 +86,16 @@ class Gate:
     async def client(
         self, scope: Scope, headers: Mapping[str, str], shown: str = "", *, owner: bool = False, signs_in: bool = False
     ) -> Client:
-        """Return the asker; Refused (401) for an invalid token."""
-        port = (scope.get("server") or ("", 0))[1] or 0
-        whose = await _whose(scope) if signs_in or "cookie" in headers else None
-        client = self._access.client(address_of(scope), headers, shown, port=port, owner=owner, whose=whose)
+        """Return the asker; Refused (401) for an invalid token.
+
+        With `owner`, a program of the robot's own user on this machine is its owner, unless it shows a token. With
+        `signs_in`, the program's user is looked up also without a cookie.
+        """
+        address, port = address_of(scope), (scope.get("server") or ("", 0))[1] or 0
+        owner = owner and not shown and "authorization" not in headers and names.is_loopback(address)
+        whose = await _whose(scope) if owner or signs_in or "cookie" in headers else None
+        owner = owner and peers.is_own(whose)
+        client = self._access.client(address, headers, shown, port=port, owner=owner, whose=whose)
         return replace(client, whose=whose)
 
     async def arguments(self, endpoint: "Endpoint", scope: Scope, receive: Receive) -> dict[str, Any]:
@@ -127,8 +133,7 @@ class Gate:
         address = address_of(scope)
         everybody = route.role is None or (route.stops is True and names.is_loopback(address))
         try:
-            owner = not everybody and "authorization" not in headers and await is_owners(scope, address)
-            return await self.client(scope, headers, owner=owner, signs_in=signs_in)
+            return await self.client(scope, headers, owner=not everybody, signs_in=signs_in)
         except Refused:
             if not everybody:
                 raise
@@ -257,17 +262,6 @@ def _options(scope: Scope, endpoints: Iterable[Endpoint], gate: Gate) -> Respons
     if headers.get("access-control-request-private-network", "").lower() == "true":
         answer["Access-Control-Allow-Private-Network"] = "true"
     return Response(status_code=204, headers=answer)
-
-
-async def is_owners(scope: Scope, address: str) -> bool:
-    """Return whether the robot's own user asks; looked up once for a connection, beside the server's thread."""
-    connection = connection_of(scope)
-    if connection is None or not names.is_loopback(address):
-        return False
-    if connection.owner is None:
-        owners = await asyncio.to_thread(peers.is_owners, scope["client"], scope["server"])
-        connection.owner = owners and connection.is_held
-    return connection.owner
 
 
 async def _whose(scope: Scope) -> str | None:

@@ -16,7 +16,10 @@ from lbr.apps.http.turns import Turns
 from lbr.apps.web.access import Access
 from lbr.apps.web.advertised_address import AdvertisedAddress
 from lbr.apps.web.announce import Announcer
+from lbr.apps.web.api.handover import Handover
 from lbr.apps.web.api.live import Live
+from lbr.apps.web.api.managing import Managing
+from lbr.apps.web.api.requests import Requests
 from lbr.apps.web.api.robot_bus import RobotBus, opened
 from lbr.apps.web.api.service import Api
 from lbr.apps.web.application import Gate, application
@@ -180,8 +183,9 @@ class Web(Capability[WebSettings]):
         streams = Streams(self._robot, states, gate, viewers)
         live = Live(self._api, gate, viewers, self._sessions, build() if "page" in settings.faces else "")
         builtin = BuiltinRoutes(self._robot, states, self._place, self._faces, self._api)
-        routes = [*declared(builtin), *declared(login), *declared(PairingRoutes(self._robot, access, login))]
-        routes += self._api.routes()
+        api = self._api
+        parts = builtin, login, PairingRoutes(self._robot, access, login), Handover(api), Managing(api), Requests(api)
+        routes = [route for part in parts for route in declared(part)]
         routes += self._faces.open(routes)
         builtin.describe(routes, version("lbr"))
         return application(

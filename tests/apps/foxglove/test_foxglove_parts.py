@@ -113,7 +113,7 @@ def test_a_request_is_an_object_or_refused(payload):
 
 BASE = SimpleNamespace(capability="drive", sideways=False)
 COMMANDS = {"drive/twist": SimpleNamespace(leased=True), "speech/say": SimpleNamespace(leased=False)}
-Known = SimpleNamespace(known=SimpleNamespace(commands=COMMANDS, told=SimpleNamespace(base=BASE)))
+Known = SimpleNamespace(known=SimpleNamespace(commands=COMMANDS, robot=SimpleNamespace(base=BASE)))
 """An API that knows a robot with a base."""
 TELEOP = protocol.Published(id=1, topic="/cmd_vel", encoding="json", schema_name="geometry_msgs/Twist")
 

@@ -51,9 +51,9 @@ def test_a_connection_of_our_own_is_its_owners_until_it_is_closed(family, host):
         pytest.skip("no such loopback here")
     with server, socket.create_connection(server.getsockname()[:2]) as client:
         ends = client.getsockname()[:2], server.getsockname()[:2]
-        assert peers.is_owners(*ends)
+        assert peers.is_own(peers.whose(*ends))
         client.close()
-        assert not peers.is_owners(*ends)
+        assert not peers.is_own(peers.whose(*ends))
 
 
 def test_another_machine_is_nobodys_here_and_what_the_kernel_does_not_know_is_nothing(tmp_path):
@@ -79,7 +79,7 @@ def test_another_users_connection_is_not_the_owners():
         with other:
             ends = other.getsockname(), server.getsockname()
             assert peers.uid_of(*ends) == OTHER
-            assert not peers.is_owners(*ends)
+            assert not peers.is_own(peers.whose(*ends))
 
 
 def test_a_connection_that_was_cut_is_told_from_the_next_one_with_its_ports():
@@ -92,5 +92,5 @@ def test_a_connection_that_was_cut_is_told_from_the_next_one_with_its_ports():
             first.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
             first.close()
             with socket.create_connection(ends[1], source_address=ends[0]):
-                assert peers.is_owners(*ends), "the kernel goes by the ports, which are another's now"
+                assert peers.is_own(peers.whose(*ends)), "the kernel goes by the ports, which are another's now"
                 assert not peers.is_held(accepted)

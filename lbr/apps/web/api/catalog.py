@@ -1,12 +1,21 @@
 """The streams and commands of the robot, by its own description; immutable, so that every thread may read it."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from msgspec import Struct
+
 from lbr.capability.kind import STOP
-from lbr.messages.description import CommandDescription, RobotDescription, Schema
+from lbr.messages.description import (
+    BaseDescription,
+    CapabilityDescription,
+    CommandDescription,
+    RobotDescription,
+    Schema,
+)
+from lbr.messages.faces import Button
 from lbr.messages.joints import Joint, Motion
-from lbr.messages.system import CapabilityStatus, Role
+from lbr.messages.system import CapabilityPhase, CapabilityStatus, Role
 
 STATUS, EVENT = "@status", "@event"
 WATCHED = frozenset({STATUS, EVENT})
@@ -17,17 +26,17 @@ CAMERA_PREFIX = "camera_"
 class Catalog:
     """A robot's streams and commands, by their keys below its name, such as `drive/state`."""
 
-    def __init__(self, told: RobotDescription) -> None:
-        self.told = told
-        capabilities = told.capabilities
+    def __init__(self, robot: RobotDescription) -> None:
+        self.robot = robot
+        capabilities = robot.capabilities
         streams = {f"{one.name}/{name}": schema for one in capabilities for name, schema in one.outputs.items()}
         self.streams: dict[str, Schema] = {key: schema for key, schema in streams.items() if not _is_picture(schema)}
         self.commands: dict[str, CommandDescription] = {
             f"{one.name}/{name}": command for one in capabilities for name, command in one.commands.items()
         }
 
-    def heard(self, keys: Iterable[str]) -> tuple[str, ...]:
-        """Return those of the keys that may be heard, each once: what is said, and never what another is told.
+    def published(self, keys: Iterable[str]) -> tuple[str, ...]:
+        """Return those of the keys that clients may receive, each once: streams, and never commands.
 
         Commands hold the leases of their senders, and pictures are for known clients.
         """
@@ -39,78 +48,140 @@ class Catalog:
         lend = {name.partition("/")[0] for name, command in self.commands.items() if command.leased}
         return frozenset(one for one in lend if f"{one}/{STOP}" in self.commands)
 
-    def document(
+    def described(
         self,
         *,
         role: Role | None,
         version: str,
         phases: Iterable[CapabilityStatus],
-        joints: Iterable[Joint],
+        joints: tuple[Joint, ...],
         motions: Iterable[Motion],
-        buttons: Iterable[object],
-    ) -> dict[str, Any]:
-        """Return what `GET /api` answers to one who has a role."""
-        told, known = self.told, {one.name: one for one in phases}
-        return {
-            "robot": told.robot,
-            "simulated": told.simulated,
-            "version": version,
-            "revision": told.revision,
-            "role": role,
-            "capabilities": [
-                {
-                    "name": one.name,
-                    "kind": one.kind,
-                    "family": one.family,
-                    "summary": one.summary,
-                    "phase": known[one.name].phase if one.name in known else "waiting",
-                    "reason": known[one.name].reason if one.name in known else "",
-                    "outputs": one.outputs,
-                    "commands": one.commands,
-                }
-                for one in told.capabilities
-            ],
-            "words": [_word(one) for one in told.words],
-            "joints": list(joints),
-            "motions": [_motion(one) for one in motions],
-            "cameras": [
-                {"name": one.name.removeprefix(CAMERA_PREFIX), "capability": one.name}
-                for one in told.capabilities
-                if one.kind == CAMERA
-            ],
-            "wheels": told.wheels,
-            "ranges": told.ranges,
-            "buttons": list(buttons),
-            "phrases": told.phrases,
-            "base": told.base,
-        }
+        buttons: tuple[Button, ...],
+    ) -> "Described":
+        """Return the description of the robot for a client with a role."""
+        robot, statuses = self.robot, {status.name: status for status in phases}
+        return Described(
+            robot=robot.robot,
+            simulated=robot.simulated,
+            version=version,
+            revision=robot.revision,
+            role=role,
+            capabilities=tuple(_capability(part, statuses.get(part.name)) for part in robot.capabilities),
+            words=tuple(_word(word) for word in robot.words),
+            joints=joints,
+            motions=tuple(_motion(motion) for motion in motions),
+            cameras=tuple(
+                DescribedCamera(name=part.name.removeprefix(CAMERA_PREFIX), capability=part.name)
+                for part in robot.capabilities
+                if part.kind == CAMERA
+            ),
+            wheels=robot.wheels,
+            ranges=robot.ranges,
+            buttons=buttons,
+            phrases=robot.phrases,
+            base=robot.base,
+        )
+
+
+class DescribedCapability(Struct, frozen=True, kw_only=True):
+    """A capability that runs, with its phase; the rest is as `CapabilityDescription` has it."""
+
+    name: str
+    kind: str
+    family: str
+    summary: str
+    phase: CapabilityPhase
+    reason: str
+    outputs: dict[str, Schema]
+    commands: dict[str, CommandDescription]
+
+
+class DescribedWord(Struct, frozen=True, kw_only=True):
+    """A word of the console; `fields` are the blanks in its `usage`."""
+
+    word: str
+    help: str
+    role: str
+    usage: str
+    fields: Sequence[Any]
+
+
+class DescribedMotion(Struct, frozen=True, kw_only=True):
+    """A motion without its key frames, which may be thousands; `frames` counts them."""
+
+    name: str
+    help: str
+    lead_in: str
+    lead_out: str
+    slot: int | None
+    builtin: bool
+    frames: int
+    duration_s: float
+
+
+class DescribedCamera(Struct, frozen=True, kw_only=True):
+    """A camera by its short name."""
+
+    name: str
+    capability: str
+
+
+class Described(Struct, frozen=True, kw_only=True):
+    """The description of the robot, and the rights of the asker."""
+
+    robot: str
+    simulated: bool
+    version: str
+    revision: int
+    role: Role | None
+    capabilities: tuple[DescribedCapability, ...]
+    words: tuple[DescribedWord, ...]
+    joints: tuple[Joint, ...]
+    motions: tuple[DescribedMotion, ...]
+    cameras: tuple[DescribedCamera, ...]
+    wheels: tuple[dict[str, Any], ...]
+    ranges: tuple[dict[str, Any], ...]
+    buttons: tuple[Button, ...]
+    phrases: tuple[dict[str, Any], ...]
+    base: BaseDescription | None
 
 
 def _is_picture(schema: Schema) -> bool:
     return "contentMediaType" in schema
 
 
-def _word(said: Mapping[str, object]) -> dict[str, Any]:
-    """Return a word as pages know it; `fields` say what may be filled in."""
-    return {
-        "word": said["word"],
-        "help": said.get("help", ""),
-        "role": said.get("role", "operate"),
-        "usage": said.get("pattern", said["word"]),
-        "fields": said.get("fields", []),
-    }
+def _capability(part: CapabilityDescription, status: CapabilityStatus | None) -> DescribedCapability:
+    return DescribedCapability(
+        name=part.name,
+        kind=part.kind,
+        family=part.family,
+        summary=part.summary,
+        phase=status.phase if status is not None else "waiting",
+        reason=status.reason if status is not None else "",
+        outputs=part.outputs,
+        commands=part.commands,
+    )
 
 
-def _motion(motion: Motion) -> dict[str, Any]:
-    """Return a motion without its key frames, which may be thousands."""
+def _word(word: Mapping[str, Any]) -> DescribedWord:
+    return DescribedWord(
+        word=word["word"],
+        help=word.get("help", ""),
+        role=word.get("role", "operate"),
+        usage=word.get("pattern", word["word"]),
+        fields=word.get("fields", ()),
+    )
+
+
+def _motion(motion: Motion) -> DescribedMotion:
     lasts_s = motion.slot_s if motion.slot_s is not None else sum(frame.duration_s for frame in motion.frames)
-    return {
-        "name": motion.name,
-        "help": motion.help,
-        "lead_in": motion.lead_in,
-        "lead_out": motion.lead_out,
-        "slot": motion.slot,
-        "builtin": motion.builtin,
-        "frames": len(motion.frames),
-        "duration_s": round(lasts_s, 3),
-    }
+    return DescribedMotion(
+        name=motion.name,
+        help=motion.help,
+        lead_in=motion.lead_in,
+        lead_out=motion.lead_out,
+        slot=motion.slot,
+        builtin=motion.builtin,
+        frames=len(motion.frames),
+        duration_s=round(lasts_s, 3),
+    )

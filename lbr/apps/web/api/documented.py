@@ -29,7 +29,7 @@ def with_robot(document: Mapping[str, Any], catalog: Catalog) -> dict[str, Any]:
     message = components.add(msgspec.json.schema(Message))
     refusal = {JSON: {"schema": message}}
     paths = dict(document["paths"])
-    for one in catalog.told.capabilities:
+    for one in catalog.robot.capabilities:
         for path, operations in _paths(one, catalog, components, reply, refusal):
             paths[path] = {**paths.get(path, {}), **operations}
     return {**document, "paths": paths, "components": {**document["components"], "schemas": components.schemas}}

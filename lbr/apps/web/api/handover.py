@@ -1,14 +1,13 @@
 """A person who wants what another holds asks for it, and the holder hands it over. Both are only told: the holder moves
 until the lease is released, and the asker begins as always."""
 
-from collections.abc import Callable
-from typing import Annotated, Any
+from typing import Annotated
 
 from msgspec import Meta, Struct
 
 from lbr.apps.http.rates import Rates
-from lbr.apps.web.api.catalog import Catalog
 from lbr.apps.web.api.requests import source_of
+from lbr.apps.web.api.service import Api
 from lbr.apps.web.contract import Refuses
 from lbr.apps.web.face import Client, Message, Refused, post
 from lbr.messages.units import Name
@@ -17,7 +16,6 @@ ASKED, HANDED = "asked_for", "handed_over"
 OFTEN_HZ = 0.5
 """A sentence in everybody's events: a person may say it again every two seconds."""
 REFUSES = Refuses({404: "Nothing of this name on this robot is held.", 429: "You said so two seconds ago."})
-Tell = Callable[[str, str, dict[str, Any]], None]
 
 
 class AskBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -34,12 +32,10 @@ class HandOverBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
 
 class Handover:
-    """The two routes; `tell` publishes an event of a kind, with its sentence and data."""
+    """The two routes."""
 
-    def __init__(self, catalog: Callable[[], Catalog], tell: Tell, clock: Callable[[], float]) -> None:
-        self._catalog = catalog
-        self._tell = tell
-        self._clock = clock
+    def __init__(self, api: Api) -> None:
+        self._api = api
         self._rates = Rates(OFTEN_HZ)
 
     @post("/api/ask", role="operate")
@@ -49,7 +45,7 @@ class Handover:
         Told as event `asked_for`, with `by` in its data; the holder's page shows it.
         """
         by, what = self._sender("ask", client, body.capability), body.capability
-        self._tell(ASKED, f"{by} asks for {what}", {"capability": what, "by": by})
+        self._api.tell(ASKED, f"{by} asks for {what}", {"capability": what, "by": by})
         return Message(message="told to who holds it")
 
     @post("/api/hand_over", role="operate")
@@ -59,14 +55,14 @@ class Handover:
         Told as event `handed_over`, with `by` and `to` in its data. It moves and ends nothing.
         """
         by, what, to = self._sender("hand over", client, body.capability), body.capability, body.to
-        self._tell(HANDED, f"{by} hands {what} over to {to}", {"capability": what, "by": by, "to": to})
+        self._api.tell(HANDED, f"{by} hands {what} over to {to}", {"capability": what, "by": by, "to": to})
         return Message(message="told")
 
     def _sender(self, verb: str, client: Client, part: str) -> str:
         by = source_of(client)
-        held = (command.leased for name, command in self._catalog().commands.items() if name.startswith(f"{part}/"))
+        held = (command.leased for name, command in self._api.catalog().commands.items() if name.startswith(f"{part}/"))
         if not any(held):
             raise Refused(404, f"there is nothing '{part}' on this robot that is held; GET /api names what there is")
-        if not self._rates.take(f"{verb} {by}", self._clock()):
+        if not self._rates.take(f"{verb} {by}", self._api.now()):
             raise Refused(429, f"{by} said so two seconds ago", {"Retry-After": "2"})
         return by

@@ -23,9 +23,9 @@ from lbr.apps.web.api.link_age import OLDEST_S, LinkAge, LinkNews
 from lbr.apps.web.api.page_message import USUAL_HZ, PageMessage, Rubbish, Wanted, parse
 from lbr.apps.web.api.requests import source_of
 from lbr.apps.web.api.service import NO_BUS, Api
-from lbr.apps.web.application import Gate, is_owners
+from lbr.apps.web.application import Gate
 from lbr.apps.web.face import Client, Refused
-from lbr.apps.web.guards import address_of, headers_of
+from lbr.apps.web.guards import headers_of
 from lbr.apps.web.routing import Path
 from lbr.apps.web.sessions import Sessions
 from lbr.apps.web.viewing import STALLED, STALLED_S, TALKS, Viewing, shown_token
@@ -60,9 +60,7 @@ class Live(Viewing[Feeds]):
         """Return the client, and what it may hear; raise Refused."""
         headers = headers_of(scope)
         self._gate.refuse_strangers(scope, headers)
-        shown = shown_token(scope)
-        owner = not shown and "authorization" not in headers and await is_owners(scope, address_of(scope))
-        client = await self._gate.client(scope, headers, shown, owner=owner)
+        client = await self._gate.client(scope, headers, shown_token(scope), owner=True)
         self.refuse_viewer(client)
         if self._api.feeds is None:
             raise Refused(503, NO_BUS, code="not_possible")
@@ -236,7 +234,7 @@ class _Viewer:
     def _want(self) -> None:
         """Hear what was asked for, as far as it is there."""
         known = self._known = self._api.known
-        self._wanted = known.heard(self._asked) if known is not None else ()
+        self._wanted = known.published(self._asked) if known is not None else ()
         if EVENT in self._wanted and EVENT not in self._sent:
             self._sent[EVENT] = self._event = self._feeds.last_event
         self._feeds.want(self, self._wanted)

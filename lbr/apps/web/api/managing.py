@@ -1,13 +1,13 @@
 """The API's routes for rows, tokens and logs: asked of the executive, with the asker's role looked at here."""
 
-from typing import Annotated, Literal, Protocol
+from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 from starlette.responses import Response
 
 from lbr.apps.web.api.requests import answered, payload_of, replied, source_of
+from lbr.apps.web.api.service import Api
 from lbr.apps.web.face import Client, get, post
-from lbr.bus.wire import PendingQuery
 from lbr.messages.manage import (
     MOST_CHANGES,
     MOST_EVENTS,
@@ -65,18 +65,11 @@ class EventsWanted(Struct, frozen=True, kw_only=True):
     limit: Annotated[int, Meta(ge=1, le=MOST_EVENTS)] = MOST_EVENTS
 
 
-class Asks(Protocol):
-    """The needs of the routes: in the capability's loop."""
-
-    def manage(self, payload: bytes, *, source: str, timeout_s: float) -> PendingQuery:
-        """Ask the executive; Refused (503) without a bus."""
-
-
 class Managing:
     """The routes; they run in the capability's loop, where they are resumed once a round."""
 
-    def __init__(self, robot: Asks) -> None:
-        self._robot = robot
+    def __init__(self, api: Api) -> None:
+        self._api = api
 
     @get("/api/rows", role="operate", within_s=WITHIN_S)
     async def _tables(self, client: Client) -> Managed:
@@ -133,5 +126,5 @@ class Managing:
         return await self._ask(client, LookAtEvents(subject=params.subject, level=params.level, limit=params.limit))
 
     async def _ask(self, client: Client, command: object) -> Response:
-        question = self._robot.manage(payload_of(command), source=source_of(client), timeout_s=ANSWER_S)
+        question = self._api.manage(payload_of(command), source=source_of(client), timeout_s=ANSWER_S)
         return replied(await answered(question, ANSWER_S), STATUSES)

@@ -3,14 +3,15 @@ once."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Annotated, Any, Protocol
+from typing import Annotated, Any
 
 from msgspec import Meta, Struct
 from starlette.responses import Response
 
-from lbr.apps.web.api.catalog import WATCHED, Catalog
+from lbr.apps.web.api.catalog import WATCHED, Described
 from lbr.apps.web.api.feeds import sample_of
-from lbr.apps.web.api.stops import AT_ONCE, Said, is_stop
+from lbr.apps.web.api.service import Api
+from lbr.apps.web.api.stops import AT_ONCE, is_stop
 from lbr.apps.web.bridge import until
 from lbr.apps.web.contract import Refuses
 from lbr.apps.web.face import Client, Refused, Request, encoded, get, json, post
@@ -19,7 +20,7 @@ from lbr.bus.wire import PendingQuery, RawMessage, encode
 from lbr.capability.kind import STOP
 from lbr.errors import MalformedError
 from lbr.messages.codes import MEANINGS
-from lbr.messages.system import RANKS, CapabilityStatus, Role
+from lbr.messages.system import RANKS, ConsoleResult, Role
 from lbr.messages.why import Chain
 
 COMMAND_S = 5.0
@@ -40,99 +41,31 @@ class ConsoleBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     line: Annotated[str, Meta(max_length=LONGEST_LINE)]
 
 
-class Described(Struct, frozen=True, kw_only=True):
-    """The description of the robot, and the rights of the asker. Motions are without their key frames."""
-
-    robot: str
-    simulated: bool
-    version: str
-    revision: int
-    role: Role | None
-    capabilities: list[dict[str, Any]]
-    words: list[dict[str, Any]]
-    joints: list[dict[str, Any]]
-    motions: list[dict[str, Any]]
-    cameras: list[dict[str, Any]]
-    wheels: list[dict[str, Any]]
-    ranges: list[dict[str, Any]]
-    buttons: list[dict[str, Any]]
-    phrases: list[dict[str, Any]]
-    base: dict[str, Any] | None = None
-
-
-class ConsoleAnswer(Struct, frozen=True, kw_only=True):
-    """The result of a line: `code` 0 done, 1 refused or failed, 2 bad input; `reason_code` and `cause` are the reasons.
-
-    `hold` is the lease of motion that a line began, to be renewed by its command; without that it is over in 0.3 s.
-    `confirm` is the line that does it after all.
-    """
-
-    code: int
-    text: str
-    reason_code: str = ""
-    cause: str = ""
-    hold: dict[str, Any] | None = None
-    data: Any = None
-    confirm: str = ""
-
-
-class Asks(Protocol):
-    """The needs of the routes: in the capability's loop."""
-
-    @property
-    def phases(self) -> tuple[CapabilityStatus, ...]:
-        """Return how each capability is."""
-
-    def catalog(self) -> Catalog:
-        """Return what there is; Refused (503) while that is not known."""
-
-    def document(self, role: Role | None) -> dict[str, Any]:
-        """Return what `GET /api` answers to one who has a role."""
-
-    def query(self, name: str, payload: bytes, *, source: str, timeout_s: float, said: Said = AT_ONCE) -> PendingQuery:
-        """Ask on a key below the robot's name; Refused (503) without a bus."""
-
-    def line(self, line: str, *, role: Role, source: str, timeout_s: float, said: Said = AT_ONCE) -> PendingQuery:
-        """Say a console line with the rights of a role."""
-
-    def stopped(self, came_s: float, capability: str = "") -> None:
-        """Take note of a stop of a capability, or of all, that came here at `came_s`."""
-
-    def said(self, came_s: float, capability: str = "") -> Said:
-        """Return how long what came here then has waited, and its date if a stop came after it."""
-
-    def now(self) -> float:
-        """Monotonic seconds."""
-
-    def tell(self, kind: str, text: str) -> None:
-        """Have an event published."""
-
-
 class Requests:
     """The routes; they run in the capability's loop, where they are resumed once a round."""
 
-    def __init__(self, robot: Asks) -> None:
-        self._robot = robot
+    def __init__(self, api: Api) -> None:
+        self._api = api
 
     @get("/api")
-    async def _describe(self, client: Client) -> Annotated[Response, {200: Described}]:
+    async def _describe(self, client: Client) -> Described:
         """The description of the robot, and your rights."""
-        return json(self._robot.document(client.role))
+        return self._api.described(client.role)
 
     @get("/api/{capability}/{name}")
     async def _newest(self, client: Client, capability: str, name: str) -> Response:
         name = f"{capability}/{name}".lower()
-        catalog = self._robot.catalog()
+        catalog = self._api.catalog()
         if name in WATCHED or name not in catalog.streams:
             raise Refused(404, f"there is no stream '{name[:81]}' on this robot; GET /api names them")
-        question = self._robot.query(name, b"", source=source_of(client), timeout_s=STREAM_S)
+        question = self._api.query(name, b"", source=source_of(client), timeout_s=STREAM_S)
         await until(lambda: question.done or bool(question.replies))
         sample = sample_of(question.replies[0]) if question.replies else None
         if sample is None:
             raise Refused(
                 404, f"'{name}' has said nothing yet, or its process is gone", {"Retry-After": "1"}, "unreachable"
             )
-        age = max(0.0, self._robot.now() - sample.sent_s)
+        age = max(0.0, self._api.now() - sample.sent_s)
         return encoded(b'{"age_s":%.3f,"message":%s}' % (age, sample.text))
 
     @post("/api/{capability}/{name}", stops=lambda given: given["name"].lower() == STOP, within_s=COMMAND_S + 1.0)
@@ -140,27 +73,27 @@ class Requests:
         self, request: Request, capability: str, name: str, body: dict[str, Any] | None = None
     ) -> Response:
         name = f"{capability}/{name}".lower()
-        command = self._robot.catalog().commands.get(name)
+        command = self._api.catalog().commands.get(name)
         if command is None:
             raise Refused(404, f"there is no command '{name[:81]}' on this robot; GET /api names them")
         request.require(command.role)
         source, payload = source_of(request.client), payload_of(body or {})
         capability, _, asks = name.partition("/")
         if asks == STOP:
-            self._robot.stopped(request.came_s, capability)
+            self._api.stopped(request.came_s, capability)
         if RANKS[command.role] > RANKS["view"] and not command.leased:
-            self._robot.tell("command", f"{source} asks {name}: {payload[:TOLD].decode(errors='replace')}")
-        said = self._robot.said(request.came_s, capability if command.leased or asks == STOP else "")
+            self._api.tell("command", f"{source} asks {name}: {payload[:TOLD].decode(errors='replace')}")
+        said = self._api.said(request.came_s, capability if command.leased or asks == STOP else "")
         if said.sent_s is not None and RANKS[command.role] > RANKS["view"] and not command.leased:
             raise Refused(409, OVERTAKEN, code="stopped")
-        question = self._robot.query(name, payload, source=source, timeout_s=COMMAND_S, said=said)
+        question = self._api.query(name, payload, source=source, timeout_s=COMMAND_S, said=said)
         await until(lambda: question.done or bool(question.replies))
         if not question.replies:
             raise Refused(503, f"'{name}' does not answer", {"Retry-After": "1"})
         return replied(_decoded(question.replies[0]))
 
     @post("/api/console", stops=lambda given: is_stop(given["body"].line), within_s=LINE_S + 1.0)
-    async def _console(self, request: Request, body: ConsoleBody) -> Annotated[Response, {200: ConsoleAnswer}]:
+    async def _console(self, request: Request, body: ConsoleBody) -> Annotated[Response, {200: ConsoleResult}]:
         """Say a console line.
 
         With the rights of the asker. 200 whatever became of it: `code` says that.
@@ -168,9 +101,9 @@ class Requests:
         role: Role = request.client.role or "view"
         line = body.line
         if stops := is_stop(line):
-            self._robot.stopped(request.came_s)
-        said = AT_ONCE if stops else self._robot.said(request.came_s)
-        question = self._robot.line(line, role=role, source=source_of(request.client), timeout_s=LINE_S, said=said)
+            self._api.stopped(request.came_s)
+        said = AT_ONCE if stops else self._api.said(request.came_s)
+        question = self._api.line(line, role=role, source=source_of(request.client), timeout_s=LINE_S, said=said)
         answer = await answered(question, LINE_S)
         return json(answer, 200, Reason_Code=_code(answer.get("reason_code", "")))
 
@@ -191,7 +124,7 @@ class Requests:
 
     async def _reason(self, line: str, client: Client) -> Response:
         role = client.role or "view"
-        question = self._robot.line(line, role=role, source=source_of(client), timeout_s=WHY_S)
+        question = self._api.line(line, role=role, source=source_of(client), timeout_s=WHY_S)
         answer = await answered(question, WHY_S)
         if answer.get("code") != 0:
             raise Refused(404, str(answer.get("text", "")), code="unknown_name")

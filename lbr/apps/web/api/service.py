@@ -7,18 +7,15 @@ from typing import Any, TypeVar
 
 import msgspec
 
-from lbr.apps.web.api.catalog import EVENT, STATUS, Catalog
+from lbr.apps.web.api.catalog import EVENT, STATUS, Catalog, Described
 from lbr.apps.web.api.feeds import Feeds
-from lbr.apps.web.api.handover import Handover
 from lbr.apps.web.api.holds import Holds
 from lbr.apps.web.api.link_age import slowed
-from lbr.apps.web.api.managing import Managing
 from lbr.apps.web.api.page_message import Wanted
 from lbr.apps.web.api.patience import silent_s
-from lbr.apps.web.api.requests import Requests
 from lbr.apps.web.api.robot_bus import RobotBus
 from lbr.apps.web.api.stops import AT_ONCE, Said, Stops
-from lbr.apps.web.face import Client, Refused, Route, declared
+from lbr.apps.web.face import Client, Refused
 from lbr.apps.web.robot import Robot
 from lbr.bus import keys
 from lbr.bus.codec import Decoder
@@ -65,11 +62,6 @@ class Api:
         self.feeds = Feeds(bus, self._key, robot.ctx.name, robot.now) if bus is not None else None
         self.holds = Holds(self._transport, self._keys_of, robot.now, self._silent_s, self._slowed)
 
-    def routes(self) -> list[Route]:
-        """Return what is answered."""
-        rooms = Handover(self.catalog, self._tell_of, self.now), Managing(self), Requests(self)
-        return [route for room in rooms for route in declared(room)]
-
     def step(self) -> None:
         """Do one round of work."""
         self.holds.step()
@@ -102,10 +94,10 @@ class Api:
             raise Refused(503, NOT_YET if self._bus is not None else NO_BUS, {"Retry-After": "1"}, "not_ready")
         return self.known
 
-    def document(self, role: Role | None) -> dict[str, object]:
-        """Return what `GET /api` answers to one who has a role."""
+    def described(self, role: Role | None) -> Described:
+        """Return the description of the robot for a client with a role."""
         robot = self._robot
-        return self.catalog().document(
+        return self.catalog().described(
             role=role,
             version=self._version,
             phases=self.phases,
@@ -144,11 +136,8 @@ class Api:
         """Have the loop look at what a page said; from any thread."""
         self._robot.ctx.wake()
 
-    def tell(self, kind: str, text: str) -> None:
+    def tell(self, kind: str, text: str, data: dict[str, object] | None = None) -> None:
         """Have an event published."""
-        self._robot.ctx.event(kind, text)
-
-    def _tell_of(self, kind: str, text: str, data: dict[str, object]) -> None:
         self._robot.ctx.event(kind, text, data=data)
 
     def may(self, client: Client) -> Callable[[Wanted], Reason | None]:
