@@ -5,9 +5,7 @@ import time
 from collections import deque
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
-import msgspec
 from msgspec import Raw, Struct
 
 from lbr.apps.recorder.box.clock import Clock
@@ -28,6 +26,7 @@ from lbr.apps.recorder.messages import (
 )
 from lbr.apps.recorder.recording import chunks
 from lbr.apps.recorder.recording.chunks import Channels
+from lbr.apps.recorder.recording.decoding import read_or_none
 from lbr.apps.recorder.recording.recorded import RecordedRows, RecordedStreams
 from lbr.apps.recorder.recording.shelf import SUFFIX, Shelf
 from lbr.bus import keys, stamp, wire
@@ -35,7 +34,6 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import BusError, DeviceError
 from lbr.messages.system import Event
-from lbr.messages.unreadable import UNREADABLE
 
 SEGMENT_S = 60.0
 ASK_S = 2.0
@@ -58,11 +56,6 @@ class _Answer(Struct):
 
 class _Revision(Struct):
     revision: int = 0
-
-
-_answers = msgspec.json.Decoder(_Answer)
-_revisions = msgspec.json.Decoder(_Revision)
-_events = msgspec.json.Decoder(Event)
 
 
 class Tape:
@@ -270,21 +263,17 @@ class Box(Capability[BoxSettings]):
         return facts
 
     def _happened(self, payload: bytes) -> None:
-        try:
-            event = _events.decode(payload)
-        except UNREADABLE:
-            return
-        if event.subject == self.ctx.name:
+        event = read_or_none(payload, Event)
+        if event is None or event.subject == self.ctx.name:
             return
         keep = self._keeping.event(event, self.ctx.clock(), time.time_ns())
         if keep is not None and self._tape is not None:
             self._tape.disk.keep(keep)
 
     def _revise(self, payload: bytes) -> None:
-        try:
-            self._revision = _revisions.decode(payload).revision
-        except UNREADABLE:
-            return
+        status = read_or_none(payload, _Revision)
+        if status is not None:
+            self._revision = status.revision
 
     # -- what is recorded ----------------------------------------------------------------------------------------------
 
@@ -308,7 +297,7 @@ class Box(Capability[BoxSettings]):
         return wire.PendingQuery(self._bus, key, text.encode(), timeout_s=ASK_S, source=self.ctx.name)
 
     def _take_rows(self, data: Raw | None) -> None:
-        rows = _decoded(data, RecordedRows)
+        rows = read_or_none(data, RecordedRows)
         if rows is None or data is None or rows.revision == self._rows_revision:
             return
         self._rows, self._rows_revision = bytes(data), rows.revision
@@ -318,7 +307,7 @@ class Box(Capability[BoxSettings]):
                 one.add(self._channels.number(ALL_ROWS), 0, at_ns, at_ns, self._rows)
 
     def _take_streams(self, data: Raw | None) -> None:
-        streams = _decoded(data, RecordedStreams)
+        streams = read_or_none(data, RecordedStreams)
         if streams is None:
             return
         self._streams = streams
@@ -431,15 +420,5 @@ class Box(Capability[BoxSettings]):
 
 
 def _answer(query: wire.PendingQuery) -> Raw | None:
-    try:
-        found = _answers.decode(query.replies[0].payload) if query.replies else None
-    except UNREADABLE:
-        return None
+    found = read_or_none(query.replies[0].payload, _Answer) if query.replies else None
     return found.data if found is not None and found.code == 0 else None
-
-
-def _decoded(data: Raw | None, kind: type[Any]) -> Any:
-    try:
-        return msgspec.json.decode(data, type=kind) if data is not None else None
-    except UNREADABLE:
-        return None

@@ -3,16 +3,22 @@
 Each chunk has the channels of its messages again, so that a chunk before it may be lost. MCAP: https://mcap.dev/spec
 """
 
+import mmap
 import struct
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from io import BytesIO
+from typing import TypeVar
 
 import zstandard
 from mcap import records
-from mcap.data_stream import RecordBuilder
+from mcap.data_stream import ReadDataStream, RecordBuilder
+from mcap.exceptions import EndOfFile, McapError
 from mcap.opcode import Opcode
+from mcap.stream_reader import get_chunk_data_stream
 from msgspec import Struct
+
+from lbr.apps.recorder.recording.decoding import read_or_none
 
 MAGIC = b"\x89MCAP0\r\n"
 MOST_BYTES = 64 << 20
@@ -25,6 +31,9 @@ _RECORD = struct.Struct("<BQ")
 _MESSAGE_HEAD = struct.Struct("<HIQQ")
 _CHUNK_HEAD = struct.Struct("<QQQII")
 HEAD_BYTES = _RECORD.size + _CHUNK_HEAD.size
+
+T = TypeVar("T")
+R = TypeVar("R", records.Chunk, records.Schema, records.Channel, records.Metadata)
 
 
 class DamagedError(ValueError):
@@ -54,6 +63,10 @@ class Message(Struct, frozen=True, gc=False):
     def topic(self) -> str:
         """The topic below the robot."""
         return self.channel.topic
+
+    def read(self, kind: type[T]) -> T | None:
+        """Return its data as this type; None if it is malformed."""
+        return read_or_none(self.data, kind)
 
 
 class Channels:
@@ -143,7 +156,7 @@ class Span(Struct, frozen=True):
     end_ns: int
 
 
-def head(data: Any, at: int, size: int) -> Span | None:
+def head(data: mmap.mmap | bytes, at: int, size: int) -> Span | None:
     """Return the chunk that begins here, if there is one that fits into a file of this size."""
     if at + HEAD_BYTES > size or data[at] != Opcode.CHUNK:
         return None
@@ -159,35 +172,40 @@ def head(data: Any, at: int, size: int) -> Span | None:
     return Span(at, _RECORD.size + length, start_ns, end_ns)
 
 
-def opened(data: Any, span: Span) -> bytes:
+class _Body(ReadDataStream):
+    """The bytes of one record; EndOfFile where it is cut."""
+
+    def __init__(self, body: bytes) -> None:
+        super().__init__(BytesIO(body))
+
+    def read(self, length: int) -> bytes:
+        """Return exactly so many bytes."""
+        data = super().read(length)
+        if len(data) != length:
+            raise EndOfFile
+        return data
+
+
+def opened(data: mmap.mmap | bytes, span: Span) -> bytes:
     """Return the records in a chunk; DamagedError if it is not as it was written."""
-    _start, _end, plain_size, crc, name_size = _CHUNK_HEAD.unpack_from(data, span.at + _RECORD.size)
-    place = span.at + HEAD_BYTES
-    name = bytes(data[place : place + name_size])
-    (packed_size,) = struct.unpack_from("<Q", data, place + name_size)
-    place += name_size + 8
-    if place + packed_size != span.at + span.length:
-        raise DamagedError("a chunk's lengths do not agree")
-    packed = bytes(data[place : place + packed_size])
+    chunk = parsed(records.Chunk, data[span.at + _RECORD.size : span.at + span.length])
     try:
-        plain = _unpacked(name, packed, plain_size)
-    except (zstandard.ZstdError, RuntimeError, ValueError, MemoryError) as err:
+        stream, size = get_chunk_data_stream(chunk, validate_crc=True)
+        plain = stream.read(size)
+    except (zstandard.ZstdError, McapError, RuntimeError, ValueError, MemoryError) as err:
         raise DamagedError(f"a chunk cannot be unpacked: {err}") from err
-    if len(plain) != plain_size or (crc and zlib.crc32(plain) != crc):
-        raise DamagedError("a chunk's checksum is wrong")
+    if size != chunk.uncompressed_size:
+        raise DamagedError("a chunk has another size than it says")
     return plain
 
 
-def _unpacked(name: bytes, packed: bytes, size: int) -> bytes:
-    if name == b"zstd":
-        return zstandard.ZstdDecompressor().decompress(packed, max_output_size=max(size, 1)) if packed else b""
-    if name == b"lz4":
-        import lz4.frame
-
-        return bytes(lz4.frame.decompress(packed))  # type: ignore[attr-defined]  # it has no types
-    if name == b"":
-        return packed
-    raise DamagedError(f"a chunk is packed by '{name.decode(errors='replace')}', which is not known here")
+def parsed(kind: type[R], body: bytes) -> R:
+    """Return the record of a kind; DamagedError if it is cut or damaged."""
+    try:
+        record: R = kind.read(_Body(body))
+    except (EndOfFile, UnicodeDecodeError) as err:
+        raise DamagedError(f"a {kind.__name__} is damaged: {err}") from err
+    return record
 
 
 class Contents:
@@ -197,6 +215,7 @@ class Contents:
         self.schemas: dict[int, tuple[str, bytes]] = {}
         self.channels: dict[int, Channel] = {}
         self._raw: dict[int, records.Channel] = {}
+        self._declared: dict[tuple[int, bytes], bytes] = {}
 
     def read(self, plain: bytes) -> Iterator[Message]:
         """Yield the messages of a chunk; DamagedError where it is no sequence of records."""
@@ -222,45 +241,23 @@ class Contents:
 
     def declare(self, opcode: int, body: bytes) -> None:
         """Take a schema or a channel; DamagedError if it is broken."""
-        try:
-            if opcode == Opcode.SCHEMA:
-                self._take_schema(body)
-            else:
-                self._take_channel(body)
-        except (struct.error, UnicodeDecodeError, IndexError) as err:
-            raise DamagedError(f"a declaration is damaged: {err}") from err
-
-    def _take_schema(self, body: bytes) -> None:
-        (number,) = struct.unpack_from("<H", body)
-        name, at = _text(body, 2)
-        _encoding, at = _text(body, at)
-        (length,) = struct.unpack_from("<I", body, at)
-        self.schemas[number] = name, body[at + 4 : at + 4 + length]
-        for channel in [one for one in self._raw.values() if one.schema_id == number]:
-            self._put(channel)
-
-    def _take_channel(self, body: bytes) -> None:
-        number, schema = struct.unpack_from("<HH", body)
-        topic, at = _text(body, 4)
-        encoding, _at = _text(body, at)
-        if number in self._raw and (self._raw[number].topic, self._raw[number].schema_id) == (topic, schema):
+        number = opcode, body[:2]
+        if self._declared.get(number) == body:
             return
-        self._raw[number] = records.Channel(
-            id=number, topic=topic, message_encoding=encoding, metadata={}, schema_id=schema
-        )
-        self._put(self._raw[number])
+        if opcode == Opcode.SCHEMA:
+            schema = parsed(records.Schema, body)
+            self.schemas[schema.id] = schema.name, schema.data
+            for channel in [one for one in self._raw.values() if one.schema_id == schema.id]:
+                self._put(channel)
+        else:
+            channel = parsed(records.Channel, body)
+            self._raw[channel.id] = channel
+            self._put(channel)
+        self._declared[number] = body
 
     def _put(self, channel: records.Channel) -> None:
         name, data = self.schemas.get(channel.schema_id, ("", b""))
         self.channels[channel.id] = Channel(channel.topic, channel.message_encoding, name, data)
-
-
-def _text(body: bytes, at: int) -> tuple[str, int]:
-    (length,) = struct.unpack_from("<I", body, at)
-    end = at + 4 + length
-    if end > len(body):
-        raise IndexError("a text is cut")
-    return body[at + 4 : end].decode(), end
 
 
 def _bytes_of(record: records.McapRecord) -> bytes:

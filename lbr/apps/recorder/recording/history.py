@@ -3,15 +3,11 @@
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
-import msgspec
 from msgspec import Struct
 
 from lbr.apps.recorder.recording import reader
-from lbr.apps.recorder.recording.chunks import Message
 from lbr.errors import InputError
-from lbr.messages.unreadable import UNREADABLE
 
 NS_PER_MS = 1_000_000
 
@@ -23,7 +19,7 @@ class History(Struct):
     values: dict[str, list[float | None]]
 
 
-def value_of(message: Any, path: Iterable[str]) -> float | None:
+def value_of(message: object, path: Iterable[str]) -> float | None:
     """Return the number at a path in decoded JSON; None where there is none."""
     for part in path:
         if isinstance(message, dict):
@@ -63,15 +59,8 @@ def _sample(
             newest = {sample.topic: sample for sample in messages() if sample.topic in wanted}
             sampled.at_ms.append(span.end_ns // NS_PER_MS)
             for topic, fields in wanted.items():
-                message = _decoded(newest.get(topic))
+                message = newest[topic].read(object) if topic in newest else None
                 for field in fields:
                     sampled.values[field].append(value_of(message, field.partition(".")[2].split(".")))
             due_ns = span.end_ns + step_ns
     return due_ns
-
-
-def _decoded(message: Message | None) -> Any:
-    try:
-        return msgspec.json.decode(message.data) if message is not None else None
-    except UNREADABLE:
-        return None

@@ -8,12 +8,11 @@ import bisect
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-import msgspec
 from msgspec import Struct
 
 from lbr.apps.recorder.recording.chunks import Message
+from lbr.apps.recorder.recording.decoding import read_or_none
 from lbr.messages.taped import LineBytes, Taped, TapedCommand
-from lbr.messages.unreadable import UNREADABLE
 
 TAPED = "@taped/"
 ANSWER_NS = 100_000_000
@@ -26,7 +25,6 @@ LATE_NS = 150_000_000
 """A question that was sent but once has a meaning of its own: the answers after it may be because of it. So much
 earlier or later than then it may come."""
 OFTEN_NS = 50_000_000
-_taped = msgspec.json.Decoder(Taped)
 
 
 class Answer(NamedTuple):
@@ -199,7 +197,7 @@ def taken(messages: Iterable[Message]) -> Taken:
     lost: dict[str, int] = {}
     commands = []
     for message in messages:
-        if not message.topic.startswith(TAPED) or (taped := _decoded(message)) is None:
+        if not message.topic.startswith(TAPED) or (taped := message.read(Taped)) is None:
             continue
         later_ns = message.log_ns - taped.now_ns
         for line in taped.lines:
@@ -219,20 +217,12 @@ def taken(messages: Iterable[Message]) -> Taken:
 
 def is_opening(message: Message) -> bool:
     """Return whether a message has how lines were opened, before the recording."""
-    return any(line.opening for line in found.lines) if (found := _decoded(message)) is not None else False
-
-
-def _decoded(message: Message) -> Taped | None:
-    try:
-        return _taped.decode(message.data)
-    except UNREADABLE:
-        return None
+    return any(line.opening for line in found.lines) if (found := message.read(Taped)) is not None else False
 
 
 def _command(to: str, taped: TapedCommand, later_ns: int) -> Command | None:
-    try:
-        reply = msgspec.json.decode(taped.reply, type=dict[str, Any])
-    except UNREADABLE:
+    reply = read_or_none(taped.reply, dict[str, Any])
+    if reply is None:
         return None
     return Command(
         at_ns=taped.at_ns + later_ns,

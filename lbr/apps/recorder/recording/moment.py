@@ -4,7 +4,6 @@ then."""
 from pathlib import Path
 from typing import Any
 
-import msgspec
 from msgspec import Struct
 
 from lbr.apps.recorder.recording import selection
@@ -12,7 +11,6 @@ from lbr.apps.recorder.recording.chunks import Message
 from lbr.apps.recorder.recording.recorded import RecordedRows
 from lbr.errors import InputError
 from lbr.messages.system import Event, Status
-from lbr.messages.unreadable import UNREADABLE
 
 MOST_EVENTS = 50
 _SYSTEM = ("@rows", "@status", "@event", "@log")
@@ -41,7 +39,7 @@ def moment(files: tuple[Path, ...], at_ns: int) -> Moment:
     events: list[Event] = []
     for message in selection.messages([path], 0, at_ns):
         if message.topic == selection.EVENT:
-            events += [event for event in [_decoded(message, Event)] if event is not None]
+            events += [event for event in [message.read(Event)] if event is not None]
         newest[message.topic] = message
     last_ns = max((message.log_ns for message in newest.values()), default=0)
     if not last_ns:
@@ -49,19 +47,12 @@ def moment(files: tuple[Path, ...], at_ns: int) -> Moment:
     return Moment(
         at_ns=at_ns,
         late_s=max(0.0, (at_ns - last_ns) / 1e9),
-        rows=_decoded(newest.get("@rows"), RecordedRows),
-        status=_decoded(newest.get("@status"), Status),
+        rows=newest["@rows"].read(RecordedRows) if "@rows" in newest else None,
+        status=newest["@status"].read(Status) if "@status" in newest else None,
         said={
             topic: (value, max(0.0, (at_ns - message.log_ns) / 1e9))
             for topic, message in newest.items()
-            if topic not in _SYSTEM and isinstance(value := _decoded(message, Any), dict)
+            if topic not in _SYSTEM and (value := message.read(dict[str, Any])) is not None
         },
         events=tuple(events[-MOST_EVENTS:]),
     )
-
-
-def _decoded(one: Message | None, kind: Any) -> Any:
-    try:
-        return msgspec.json.decode(one.data, type=kind) if one is not None else None
-    except UNREADABLE:
-        return None

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
+from mcap import records
 from mcap.opcode import Opcode
 from msgspec import Struct
 
@@ -155,21 +156,11 @@ class Recording:
             elif opcode == Opcode.MESSAGE:
                 self._messages.append((at, bytes(self._data[at : at + length])))
             elif opcode == Opcode.METADATA:
-                self._read_metadata(body)
+                metadata = chunks.parsed(records.Metadata, body)
+                if metadata.name == "lbr":
+                    self.about = metadata.metadata
         except DamagedError:
             self._hurt(length)
-
-    def _read_metadata(self, body: bytes) -> None:
-        try:
-            name, at = _text(body, 0)
-            (length,) = struct.unpack_from("<I", body, at)
-            at, end = at + 4, at + 4 + length
-            while name == "lbr" and at < end:
-                key, at = _text(body, at)
-                value, at = _text(body, at)
-                self.about[key] = value
-        except (struct.error, UnicodeDecodeError) as err:
-            raise DamagedError(str(err)) from err
 
     def _next(self, at: int) -> int | None:
         """Return where the next chunk begins, None after the last."""
@@ -212,10 +203,3 @@ def _opens(data: mmap.mmap | bytes, span: Span) -> bool:
     except (DamagedError, struct.error):
         return False
     return True
-
-
-def _text(body: bytes, at: int) -> tuple[str, int]:
-    (length,) = struct.unpack_from("<I", body, at)
-    if at + 4 + length > len(body):
-        raise DamagedError("a text is cut")
-    return body[at + 4 : at + 4 + length].decode(), at + 4 + int(length)

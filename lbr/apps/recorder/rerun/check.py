@@ -17,6 +17,7 @@ from msgspec import Struct
 from lbr import home
 from lbr.apps.recorder.recording import lines, selection
 from lbr.apps.recorder.recording.chunks import Message
+from lbr.apps.recorder.recording.decoding import read_or_none
 from lbr.apps.recorder.recording.recorded import RecordedRows
 from lbr.apps.recorder.rerun import alike, rows
 from lbr.apps.recorder.rerun.ends import Asked, Clock, Ends
@@ -26,7 +27,6 @@ from lbr.bus import stamp as stamps
 from lbr.bus.session import Session
 from lbr.errors import BusError, InputError
 from lbr.messages.system import Event
-from lbr.messages.unreadable import UNREADABLE
 
 READY_S = 60.0
 STOP_S = 10.0
@@ -118,23 +118,19 @@ class _Reader:
         if item.topic.startswith(lines.TAPED):
             self.taped.append(item)
         elif item.topic == selection.EVENT:
-            event = _decoded(item.data, Event)
-            if event is not None:
+            if (event := item.read(Event)) is not None:
                 self.events.append((item.log_ns, event))
         elif item.topic == "@rows":
-            saved = _decoded(item.data, RecordedRows)
+            saved = item.read(RecordedRows)
             self.edited |= self.rows is not None and saved is not None and saved.revision != self.rows.revision
             self.rows = saved or self.rows
         elif item.topic == "@status":
-            self.robot = str((_decoded(item.data, dict[str, Any]) or {}).get("robot", self.robot))
+            self.robot = str((item.read(dict[str, Any]) or {}).get("robot", self.robot))
         elif item.topic.endswith(RESULT):
-            message = _decoded(item.data, dict[str, Any])
-            if message is not None:
+            if (message := item.read(dict[str, Any])) is not None:
                 self.ended.setdefault(str(message.get("goal", "")), item.log_ns)
-        elif item.topic.endswith("/setpoint"):
-            message = _decoded(item.data, dict[str, Any])
-            if message is not None:
-                self.streams.setdefault(item.topic, []).append((item.log_ns, message))
+        elif item.topic.endswith("/setpoint") and (message := item.read(dict[str, Any])) is not None:
+            self.streams.setdefault(item.topic, []).append((item.log_ns, message))
 
 
 def read(files: tuple[Path, ...], start_ns: int, end_ns: int) -> Recorded:
@@ -263,7 +259,7 @@ class _Witness:
     def _samples(self, subscription: wire.Subscription) -> list[tuple[int, dict[str, float]]]:
         samples = []
         for raw in subscription.take():
-            message, stamp = _decoded(raw.payload, dict[str, Any]), stamps.read(raw.attachment)
+            message, stamp = read_or_none(raw.payload, dict[str, Any]), stamps.read(raw.attachment)
             if message is not None:
                 at_ns = stamp.mono_ns if stamp is not None and stamp.mono_ns else int(raw.arrived * 1e9)
                 samples.append((self._dated(at_ns), alike.numbers(message)))
@@ -271,7 +267,7 @@ class _Witness:
 
     def _published_events(self) -> Iterator[tuple[int, Event]]:
         for raw in self._events.take():
-            event = _decoded(raw.payload, Event)
+            event = read_or_none(raw.payload, Event)
             if event is not None:
                 yield self._dated(int(raw.arrived * 1e9)), event
 
@@ -312,7 +308,7 @@ def _up(process: "subprocess.Popen[bytes]", made: rows.Place, robot: str, output
             raise BusError(f"the robot did not start: {output.read_text(errors='replace').strip()[-800:]}")
         for line in output.read_bytes().splitlines():
             if line.startswith(b"{"):
-                report = _decoded(line, dict) or {}
+                report = read_or_none(line, dict[str, object]) or {}
                 if not report.get("ready"):
                     raise BusError(f"the robot did not come up on the recorded bytes: {report.get('reason', report)}")
                 return _record(made, robot)
@@ -325,10 +321,3 @@ def _up(process: "subprocess.Popen[bytes]", made: rows.Place, robot: str, output
 def _record(made: rows.Place, robot: str) -> home.Running:
     """Return how to reach the robot of that home."""
     return msgspec.json.decode((made.home / "run" / f"{robot}.json").read_bytes(), type=home.Running)
-
-
-def _decoded(data: bytes, kind: Any) -> Any:
-    try:
-        return msgspec.json.decode(data, type=kind)
-    except UNREADABLE:
-        return None

@@ -9,12 +9,12 @@ from typing import Any
 import msgspec
 from msgspec import Struct
 
+from lbr.apps.recorder.recording.decoding import read_or_none
 from lbr.apps.recorder.recording.lines import Command
 from lbr.bus import keys, wire
 from lbr.bus.session import Session
 from lbr.errors import BusError
 from lbr.messages.system import EstopRequest
-from lbr.messages.unreadable import UNREADABLE
 
 ANSWER_S = 3.0
 WAIT_S = 0.02
@@ -40,6 +40,12 @@ class _Result(Struct):
     """As much of a goal's result as is needed."""
 
     goal: str
+
+
+class _Leased(Struct):
+    """As much of a command as is needed."""
+
+    lease: str = ""
 
 
 class _Goal(Struct):
@@ -177,13 +183,12 @@ class Feed:
     def _hear(self, now_ns: int) -> None:
         for stream in self._results:
             for raw in stream.take():
-                with contextlib.suppress(*UNREADABLE):
-                    self._over.add(msgspec.json.decode(raw.payload, type=_Result).goal)
+                if (result := read_or_none(raw.payload, _Result)) is not None:
+                    self._over.add(result.goal)
         waiting = []
         for sent, payload, query in self._waiting:
             if query.replies:
-                with contextlib.suppress(*UNREADABLE):
-                    sent.reply = msgspec.json.decode(query.replies[0].payload)
+                sent.reply = read_or_none(query.replies[0].payload, dict[str, Any])
                 self._answered(sent, payload, now_ns)
             elif not query.done:
                 waiting.append((sent, payload, query))
@@ -229,9 +234,5 @@ def _line_of(command: Command) -> tuple[str, str, str]:
 
 def _lease_of(payload: bytes) -> str:
     """Return the lease that a command quotes; empty: none, or it cannot be read."""
-    try:
-        found = msgspec.json.decode(payload)
-    except UNREADABLE:
-        return ""
-    lease = found.get("lease", "") if isinstance(found, dict) else ""
-    return lease if isinstance(lease, str) else ""
+    found = read_or_none(payload, _Leased)
+    return found.lease if found is not None else ""

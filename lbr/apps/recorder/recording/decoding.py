@@ -1,0 +1,17 @@
+"""Messages in JSON out of files and off the bus, any of which may be malformed. Pure."""
+
+from typing import TypeVar
+
+import msgspec
+
+from lbr.messages.unreadable import UNREADABLE
+
+T = TypeVar("T")
+
+
+def read_or_none(data: bytes | str | msgspec.Raw | None, kind: type[T]) -> T | None:
+    """Return the message of this type in JSON; None without JSON, or if it is malformed."""
+    try:
+        return msgspec.json.decode(data, type=kind) if data is not None else None
+    except UNREADABLE:
+        return None
