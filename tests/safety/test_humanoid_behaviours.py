@@ -1,4 +1,4 @@
-"""A humanoid that a table moves keeps on its feet when the table is stopped, its process killed, or a motion refused."""
+"""A humanoid that a table moves keeps on its feet when the table is stopped or its process killed."""
 
 import os
 import signal
@@ -22,21 +22,13 @@ WALKS_FIRST = (
     " (outputs ->> 'set' IS NOT NULL AND outputs ->> 'motion' <> 'walk'))"
 )
 """Of the show's motions, which come in an order by chance, the walk alone."""
-STEPS = "INSERT INTO motion_step (robot, motion, step, duration_s, positions) VALUES ('bioloid', 'topple', "
-TOPPLES = (
-    "INSERT INTO motion (robot, name) VALUES ('bioloid', 'topple')",
-    STEPS + """1, 0.5, '{"left_ankle_pitch": 1.2, "right_ankle_pitch": 1.2}')""",
-    STEPS + """2, 9, '{"left_elbow": -0.5}')""",
-)
-"""A motion during which it falls on its face."""
-LEANS_AHEAD = {"left_ankle_pitch": 1.2, "right_ankle_pitch": 1.2}
 
 
 @pytest.fixture(scope="module")
 def bioloid() -> Iterator[Robot]:
     """The simulated Bioloid."""
     with tempfile.TemporaryDirectory(prefix="lbr-") as place:
-        home = prepare(Path(place) / "h", edits=(only("bioloid", *NEEDED), WALKS_FIRST, *TOPPLES))
+        home = prepare(Path(place) / "h", edits=(only("bioloid", *NEEDED), WALKS_FIRST))
         with running(home, profile="bioloid-sim") as robot:
             told(robot, "behaviour/state")
             yield robot
@@ -128,42 +120,6 @@ def test_a_show_that_is_stopped_as_it_walks_leaves_the_bioloid_on_its_feet(stand
     until(lambda: told(standing, "behaviour/state")["phase"] == "ended", what="the run ends")
     rests(standing)
     until(lambda: on_feet(standing), what="it stands on both feet")
-
-
-def test_a_motion_that_is_refused_ends_the_table_in_its_failure_and_tells_the_joint(standing):
-    standing.line("/torque/off/left_shoulder_pitch")
-    standing.line("/behaviour/run/greet")
-    state = until(
-        lambda: (
-            (found := told(standing, "behaviour/state"))["phase"] == "ended" and found["table"] == "greet" and found
-        ),
-        what="the run ends",
-    )
-    assert (state["good"], state["state"], state["code"]) == (False, "Not greeted", "no_torque")
-    assert "left_shoulder_pitch" in state["reason"]
-
-
-def test_fallen_on_its_face_it_plays_what_gets_it_up_from_there(standing):
-    def lies() -> bool:
-        standing.ask("joints/command", {"positions": LEANS_AHEAD, "speed_rps": 3.0, "ttl_s": 1.0})
-        return told(standing, "motions/state")["fallen"] == "face"
-
-    until(lies, what="it lies on its face")
-    rests(standing)
-    plays(standing, "get_up", "get_up_face")
-
-
-def test_a_show_in_which_it_falls_gets_it_up(standing):
-    topples = (
-        "UPDATE behaviour_row SET outputs = json_set(outputs, '$.motion', ?)"
-        " WHERE robot = 'bioloid' AND behaviour = 'show' AND outputs ->> 'set' = 'walk = 1'"
-    )
-    standing.edit(topples, "topple")
-    until(lambda: "topple" in standing.line("/behaviour/show/show")["text"], what="the edit is known")
-    plays(standing, "show", "topple")
-    until(lambda: told(standing, "behaviour/state")["called"] == ["show"], what="it runs get_up")
-    until(lambda: told(standing, "motions/state")["motion"] == "get_up_face", what="it gets up")
-    standing.edit(topples, "walk")
 
 
 def test_a_killed_table_has_the_uxa90_stop_as_it_stands_up(tmp_path):
