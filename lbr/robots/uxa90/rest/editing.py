@@ -1,9 +1,13 @@
-"""Making and changing motors and motions: from a request's body to rows, and from what became of them to an answer."""
+"""The routes that make and change motors and motions: from a request's body to rows, and from rows to an answer."""
 
 from collections.abc import Mapping
-from typing import NoReturn
+from typing import Annotated, NoReturn
 
-from lbr.apps.web.face import Refused, Request
+from starlette.responses import Response
+
+from lbr.apps.web import face as web
+from lbr.apps.web.contract import Refuses
+from lbr.apps.web.face import Refused, Request, get, post, route
 from lbr.apps.web.robot import Robot
 from lbr.messages.codes import heard
 from lbr.messages.faces import Button, EditCommand, EditReply, Motor
@@ -29,6 +33,17 @@ LAST_ID = 9999
 REVISION_S = 2.0
 BUILT_IN = "is built in"
 SLACK_RAD = 1e-3
+EDIT_S = 7.0
+EDIT = Refuses(
+    {
+        400: "The body makes no sense.",
+        403: "It is built in.",
+        404: "It is not there.",
+        409: "It cannot be so.",
+        412: "It was changed since the version that was quoted.",
+    }
+)
+NO_ROW = Refuses({404: "it is not there"})
 
 
 class Editor:
@@ -40,31 +55,38 @@ class Editor:
         self._buttons = buttons
         self._heard = 0
 
-    async def show_motor(self, key: str) -> MotorRowAnswer:
-        """Return a motor's row; 404 if it is missing."""
-        return self._motor_answer(self._motor(key), await self._revision())
+    @get("/motors/{id}", within_s=EDIT_S)
+    async def show_motor(self, id_: str) -> Annotated[Response, {200: MotorRowAnswer}, NO_ROW]:
+        """Read a motor's row."""
+        return self._motor_answer(self._motor(id_), await self._revision())
 
-    async def show_motion(self, key: str) -> MotionRowAnswer:
-        """Return a motion's row; 404 if it is missing."""
-        return self._motion_answer(self._button(key), await self._revision())
-
-    async def add_motor(self, request: Request, body: NewMotorBody) -> MotorRowAnswer:
-        """Make a motor of the layer that is shown."""
+    @post("/motors", role="admin", within_s=EDIT_S)
+    async def add_motor(self, request: Request, body: NewMotorBody) -> Annotated[Response, {201: MotorRowAnswer}, EDIT]:
+        """Make a motor."""
         if body.id in self._motors.motors:
             raise Refused(409, f"Motor '{body.id}' exists already; PUT /motors/{body.id} changes it", code="exists")
         return await self._write_motor(request, body, body.id, create=True)
 
-    async def change_motor(self, request: Request, key: str, body: MotorBody) -> MotorRowAnswer:
+    @route("PUT", "/motors/{id}", role="admin", within_s=EDIT_S)
+    async def change_motor(
+        self, request: Request, id_: str, body: MotorBody
+    ) -> Annotated[Response, {200: MotorRowAnswer}, EDIT]:
         """Change a motor that is not built in."""
-        motor = self._motor(key)
+        motor = self._motor(id_)
         if motor.builtin:
             raise Refused(
                 403, f"Motor '{motor.id}' {BUILT_IN}: give the web server a layer of your own instead", code="read_only"
             )
         return await self._write_motor(request, body, motor.id, create=False)
 
-    async def add_motion(self, request: Request, body: MotionBody) -> MotionRowAnswer:
-        """Make a motion of key frames, and the number that it is called by."""
+    @get("/motions/{id}", within_s=EDIT_S)
+    async def show_motion(self, id_: str) -> Annotated[Response, {200: MotionRowAnswer}, NO_ROW]:
+        """Read a motion's row and its key frames; plays nothing."""
+        return self._motion_answer(self._button(id_), await self._revision())
+
+    @post("/motions", role="admin", within_s=EDIT_S)
+    async def add_motion(self, request: Request, body: MotionBody) -> Annotated[Response, {201: MotionRowAnswer}, EDIT]:
+        """Make a motion of key frames."""
         number = self._free() if body.id is None else body.id
         if number in self._buttons.buttons:
             raise Refused(409, f"Motion '{number}' exists already; PUT /motions/{number} changes it", code="exists")
@@ -72,9 +94,12 @@ class Editor:
             raise Refused(409, f"A motion '{body.name}' exists already", code="exists")
         return await self._write_motion(request, body, number, create=True)
 
-    async def change_motion(self, request: Request, key: str, body: MotionBody) -> MotionRowAnswer:
-        """Change a motion that is not built in; its name stays."""
-        button = self._button(key)
+    @route("PUT", "/motions/{id}", role="admin", within_s=EDIT_S)
+    async def change_motion(
+        self, request: Request, id_: str, body: MotionBody
+    ) -> Annotated[Response, {200: MotionRowAnswer}, EDIT]:
+        """Change a motion that is not built in."""
+        button = self._button(id_)
         if button.builtin:
             raise Refused(
                 403, f"Motion '{button.id}' {BUILT_IN}: make one of your own (POST /motions)", code="read_only"
@@ -85,7 +110,7 @@ class Editor:
             raise Refused(400, f"a motion keeps its name, '{button.motion}'; make another one (POST /motions)")
         return await self._write_motion(request, body, button.id, create=False)
 
-    async def _write_motor(self, request: Request, body: MotorBody, number: int, *, create: bool) -> MotorRowAnswer:
+    async def _write_motor(self, request: Request, body: MotorBody, number: int, *, create: bool) -> Response:
         if not body.lowest <= body.rest <= body.highest or body.lowest >= body.highest:
             raise Refused(400, "min must be less than max, and default between them")
         if number not in self._motors.joints:
@@ -103,16 +128,16 @@ class Editor:
         )
         reply = await self._write(request, (motor,), body.version, create=create)
         self._motors.put(motor)
-        return self._motor_answer(motor, reply.revision)
+        return self._motor_answer(motor, reply.revision, 201 if create else 200)
 
-    async def _write_motion(self, request: Request, body: MotionBody, number: int, *, create: bool) -> MotionRowAnswer:
+    async def _write_motion(self, request: Request, body: MotionBody, number: int, *, create: bool) -> Response:
         joints = {joint.name: joint for joint in self._robot.joints}
         frames = tuple(_frame(frame, at, joints, self._motors.joints) for at, frame in enumerate(body.frames))
         motion = Motion(name=body.name, frames=frames, help=body.help)
         button = Button(id=number, name=body.name, button=body.button, motion=body.name)
         reply = await self._write(request, (*motion.rows, button), body.version, create=create)
         self._buttons.put(button)
-        return self._motion_answer(button, reply.revision)
+        return self._motion_answer(button, reply.revision, 201 if create else 200)
 
     async def _write(self, request: Request, rows: tuple[Row, ...], version: int | None, *, create: bool) -> EditReply:
         quoted = _if_match(request.headers)
@@ -154,7 +179,7 @@ class Editor:
             raise Refused(409, "all numbers for motions are taken", code="limit")
         return found
 
-    def _motor_answer(self, motor: Motor, revision: int) -> MotorRowAnswer:
+    def _motor_answer(self, motor: Motor, revision: int, status: int = 200) -> Response:
         joint = self._motors.joints.get(motor.id)
         row = MotorRow(
             id=motor.id,
@@ -169,9 +194,9 @@ class Editor:
             builtin=motor.builtin,
             joint=joint.name if joint is not None else None,
         )
-        return MotorRowAnswer(row, revision)
+        return _answer(MotorRowAnswer(row, revision), status)
 
-    def _motion_answer(self, button: Button, revision: int) -> MotionRowAnswer:
+    def _motion_answer(self, button: Button, revision: int, status: int = 200) -> Response:
         motion = next((each for each in self._robot.motions if each.name == button.motion), None)
         frames = () if motion is None else motion.frames
         slot_s = None if motion is None else motion.slot_s
@@ -186,7 +211,7 @@ class Editor:
             duration_s=round(sum(frame.duration_s for frame in frames) if slot_s is None else slot_s, 3),
             frames=[Frame(frame.duration_s, dict(frame.positions)) for frame in frames],
         )
-        return MotionRowAnswer(row, revision)
+        return _answer(MotionRowAnswer(row, revision), status)
 
 
 def _frame(frame: FrameBody, at: int, joints: Mapping[str, Joint], by_id: Mapping[int, Joint]) -> KeyFrame:
@@ -210,6 +235,10 @@ def _frame(frame: FrameBody, at: int, joints: Mapping[str, Joint], by_id: Mappin
             raise Refused(400, f"frames[{at}]: {angle_rad:g} rad is outside what {name} may do ({limits})")
         positions[name] = min(max(angle_rad, joint.lower_rad), joint.upper_rad)
     return KeyFrame(positions=positions, duration_s=frame.duration_s)
+
+
+def _answer(answer: MotorRowAnswer | MotionRowAnswer, status: int) -> Response:
+    return web.json(answer, status, ETag=f'"{answer.version}"')
 
 
 def _if_match(headers: Mapping[str, str]) -> int | None:

@@ -1,4 +1,4 @@
-"""The routes of the UXA-90's API, in the capability's loop: they pass requests on to `Service` and to the rows."""
+"""The routes of the UXA-90's API, in the capability's loop: they pass requests on to `Service`."""
 
 from typing import Annotated, Any
 
@@ -8,39 +8,18 @@ from starlette.responses import Response
 from lbr.apps.web import face as web
 from lbr.apps.web.contract import Refuses
 from lbr.apps.web.face import Query, Refused, Request, Route, get, post, route
-from lbr.apps.web.robot import Robot
 from lbr.messages.system import Role
 from lbr.messages.unreadable import UNREADABLE, keyed_once
 from lbr.robots.uxa90.rest import parsing
 from lbr.robots.uxa90.rest.answers import MotionsAnswer, MotorAnswer, MultiAnswer, PlayedAnswer
-from lbr.robots.uxa90.rest.bodies import (
-    MotionBody,
-    MotionRowAnswer,
-    MotorBody,
-    MotorParams,
-    MotorRowAnswer,
-    MultiBody,
-    MultiParams,
-    NewMotorBody,
-)
-from lbr.robots.uxa90.rest.editing import Editor
+from lbr.robots.uxa90.rest.bodies import MotorParams, MultiBody, MultiParams
 from lbr.robots.uxa90.rest.jobs import JobReply, JobsReply
 from lbr.robots.uxa90.rest.service import Service
 
 REFUSED = Refuses({400: "It makes no sense.", 409: "It is not there, is busy, held by another, or not allowed."})
 MOVE_S = 4.0
 """A motion's answer may need three others: the joints given back, the motions', and the joints' again."""
-EDIT_S = 7.0
-EDIT = Refuses(
-    {
-        400: "The body makes no sense.",
-        403: "It is built in.",
-        404: "It is not there.",
-        409: "It cannot be so.",
-        412: "It was changed since the version that was quoted.",
-    }
-)
-NO_ROW, NO_JOB = Refuses({404: "it is not there"}), Refuses({404: "there is no such job"})
+NO_JOB = Refuses({404: "there is no such job"})
 
 
 class Moving(Route):
@@ -52,11 +31,10 @@ class Moving(Route):
 
 
 class Handlers:
-    """The handlers of all routes."""
+    """The handlers of what moves."""
 
-    def __init__(self, robot: Robot, work: Service) -> None:
+    def __init__(self, work: Service) -> None:
         self._work = work
-        self._editor = Editor(robot, work.motors, work.buttons)
 
     @get("/", role=None, page=True)
     def alive(self) -> Annotated[Response, web.TEXT]:
@@ -120,49 +98,11 @@ class Handlers:
         """Cancel a job: what has not begun does not begin."""
         return JobReply(self._work.jobs.cancel(job))
 
-    @get("/motors/{id}", within_s=EDIT_S)
-    async def show_motor(self, id_: str) -> Annotated[Response, {200: MotorRowAnswer}, NO_ROW]:
-        """Read a motor's row."""
-        return _row(await self._editor.show_motor(id_))
-
-    @post("/motors", role="admin", within_s=EDIT_S)
-    async def add_motor(self, request: Request, body: NewMotorBody) -> Annotated[Response, {201: MotorRowAnswer}, EDIT]:
-        """Make a motor."""
-        return _row(await self._editor.add_motor(request, body), 201)
-
-    @route("PUT", "/motors/{id}", role="admin", within_s=EDIT_S)
-    async def change_motor(
-        self, request: Request, id_: str, body: MotorBody
-    ) -> Annotated[Response, {200: MotorRowAnswer}, EDIT]:
-        """Change a motor that is not built in."""
-        return _row(await self._editor.change_motor(request, id_, body))
-
-    @get("/motions/{id}", within_s=EDIT_S)
-    async def show_motion(self, id_: str) -> Annotated[Response, {200: MotionRowAnswer}, NO_ROW]:
-        """Read a motion's row and its key frames; plays nothing."""
-        return _row(await self._editor.show_motion(id_))
-
-    @post("/motions", role="admin", within_s=EDIT_S)
-    async def add_motion(self, request: Request, body: MotionBody) -> Annotated[Response, {201: MotionRowAnswer}, EDIT]:
-        """Make a motion of key frames."""
-        return _row(await self._editor.add_motion(request, body), 201)
-
-    @route("PUT", "/motions/{id}", role="admin", within_s=EDIT_S)
-    async def change_motion(
-        self, request: Request, id_: str, body: MotionBody
-    ) -> Annotated[Response, {200: MotionRowAnswer}, EDIT]:
-        """Change a motion that is not built in."""
-        return _row(await self._editor.change_motion(request, id_, body))
-
 
 def _refuse_head(request: Request) -> None:
     """Move nothing for a client that only asks what there is."""
     if request.method == "HEAD":
         raise Refused(405, "HEAD moves nothing: use GET or POST", {"Allow": "GET, POST"})
-
-
-def _row(answer: MotorRowAnswer | MotionRowAnswer, status: int = 200) -> Response:
-    return web.json(answer, status, ETag=f'"{answer.version}"')
 
 
 def _by_name(query: Query) -> parsing.Query:

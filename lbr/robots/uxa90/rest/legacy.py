@@ -8,6 +8,7 @@ from starlette.responses import Response
 from lbr.apps.web import face as web
 from lbr.apps.web.face import Route, declared, get
 from lbr.apps.web.robot import Robot
+from lbr.robots.uxa90.rest.editing import Editor
 from lbr.robots.uxa90.rest.handlers import Handlers
 from lbr.robots.uxa90.rest.service import Service
 
@@ -21,7 +22,8 @@ class Uxa90Face(web.Face):
 
     def __init__(self, robot: Robot) -> None:
         self._work = Service(robot)
-        self._handlers = Handlers(robot, self._work)
+        self._handlers = Handlers(self._work)
+        self._editor = Editor(robot, self._work.motors, self._work.buttons)
         layer, layers = robot.settings.layer, sorted({motor.layer for motor in robot.motors})
         if layers and layer not in layers:
             text = f"no row of the table motor has the layer '{layer}', so the API has no motors; there are "
@@ -29,7 +31,7 @@ class Uxa90Face(web.Face):
 
     def routes(self) -> Sequence[Route]:
         """Return what it answers."""
-        return [*declared(self._handlers), *declared(self)]
+        return [*declared(self._handlers), *declared(self._editor), *declared(self)]
 
     @get("/demo", role=None, page=True)
     def _demo(self) -> Annotated[Response, web.HTML]:

@@ -35,31 +35,11 @@ class Turn:
 
 
 @dataclass(frozen=True, slots=True)
-class Listing:
-    """All motors are asked for."""
-
-
-@dataclass(frozen=True, slots=True)
-class Info:
-    """One motor is asked for."""
-
-    motor: Motor
-
-
-@dataclass(frozen=True, slots=True)
 class Move:
     """One motor is to move; `torq` as it is echoed."""
 
     turn: Turn
     torq: Number
-
-
-@dataclass(frozen=True, slots=True)
-class Several:
-    """Several motors are to move, and how that is echoed."""
-
-    turns: tuple[Turn, ...]
-    echoed: list[dict[str, Any]]
 
 
 def unit_of(query: Query) -> str:
@@ -78,10 +58,10 @@ def flag(query: Query, name: str) -> bool:
     return said in {"true", "1"}
 
 
-def of_motor(table: MotorTable, query: Query) -> Listing | Info | Move:
-    """Decide what GET /motor wants: the list, one motor, or that it moves."""
+def of_motor(table: MotorTable, query: Query) -> Move | Motor | None:
+    """Decide what GET /motor wants: that one moves, one to be read, or the list."""
     if "id" not in query:
-        return Listing()
+        return None
     ids = query["id"]
     motor = table.find(number(ids[0]) if len(ids) == 1 else float("nan"))
     position, torque = _text(query, POSITIONS), _text(query, TORQUES)
@@ -89,7 +69,7 @@ def of_motor(table: MotorTable, query: Query) -> Listing | Info | Move:
     if position is None:
         if torque is not None:
             raise Refused(400, "torq is of no use without pos: give the position to go to as well")
-        return Info(motor)
+        return motor
     value = number(position)
     if isnan(value):
         raise Refused(400, f"pos must be a number ({motor.lowest} to {motor.highest}), not '{position[:20]}'")
@@ -103,16 +83,15 @@ def of_motor(table: MotorTable, query: Query) -> Listing | Info | Move:
     return Move(Turn(motor, at, table.target(motor, at), nearest(torq), delay_s), torq)
 
 
-def of_motors(table: MotorTable, body: Any, query: Query) -> Several:
-    """Decide what /multimotor wants; the whole list is looked at before anything moves."""
+def of_motors(table: MotorTable, body: Any, query: Query) -> list[tuple[Turn, dict[str, Any]]]:
+    """Decide what /multimotor wants of each motor, and how that is echoed; all of it before anything moves."""
     unit = unit_of(query)
     items = body.get("motors") if isinstance(body, dict) else None
     if not isinstance(items, list):
         raise Refused(400, f"the body must be an object with a list: {EXAMPLE}")
     if len(items) > MOST_ITEMS:
         raise Refused(400, f"{len(items)} motors are too many for one request; {MOST_ITEMS} are allowed")
-    decided = [_item(table, item, at, unit) for at, item in enumerate(items)]
-    return Several(tuple(turn for turn, _ in decided), [echoed for _, echoed in decided])
+    return [_item(table, item, at, unit) for at, item in enumerate(items)]
 
 
 def _item(table: MotorTable, item: Any, at: int, unit: str) -> tuple[Turn, dict[str, Any]]:

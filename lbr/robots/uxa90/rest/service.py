@@ -21,7 +21,7 @@ from lbr.robots.uxa90.rest.counts import count_of
 from lbr.robots.uxa90.rest.jobs import Jobs
 from lbr.robots.uxa90.rest.motor_client import MotorClient
 from lbr.robots.uxa90.rest.number import nearest
-from lbr.robots.uxa90.rest.parsing import Info, Listing, Move, Turn
+from lbr.robots.uxa90.rest.parsing import Move, Turn
 from lbr.robots.uxa90.rest.playing import Player
 from lbr.robots.uxa90.rest.table import MotorTable
 
@@ -83,22 +83,21 @@ class Service:
             self._refuse_stopped_since(came_s)
             return await self._move(wanted, parsing.unit_of(query), measured=measured)
         unit = parsing.unit_of(query)
-        match wanted:
-            case Listing():
-                every = self.motors.motors.values()
-                data = [self._with_measured(self.motors.data(motor, unit=unit), measured=measured) for motor in every]
-                return MotorAnswer(data, "getAllMotors")
-            case Info(motor=motor):
-                return MotorAnswer(
-                    self._with_measured(self.motors.data(motor, unit=unit), measured=measured), "getMotorInfo"
-                )
+
+        def data(motor: Motor) -> MotorData:
+            return self._with_measured(self.motors.data(motor, unit=unit), measured=measured)
+
+        if wanted is not None:
+            return MotorAnswer(data(wanted), "getMotorInfo")
+        return MotorAnswer([data(motor) for motor in self.motors.motors.values()], "getAllMotors")
 
     async def several(self, body: Any, query: parsing.Query, came_s: float = inf) -> MultiAnswer:
         """Answer /multimotor."""
         self._refuse_stopped_since(came_s)
-        wanted = parsing.of_motors(self.motors, body, query)
-        job = await self._turn(wanted.turns)
-        return MultiAnswer("setMultiMotorsPos", MultiPositions(wanted.echoed), UNSET if job is None else job)
+        decided = parsing.of_motors(self.motors, body, query)
+        job = await self._turn(tuple(turn for turn, _ in decided))
+        echoed = MultiPositions([item for _, item in decided])
+        return MultiAnswer("setMultiMotorsPos", echoed, UNSET if job is None else job)
 
     async def play(self, key: str, came_s: float = inf) -> PlayedAnswer:
         """Answer /motion/KEY: what motors do ends first."""
