@@ -11,10 +11,10 @@ from contextlib import suppress
 from typing import NamedTuple
 
 from lbr.capability.context import Device
+from lbr.capability.tap import Tap
 from lbr.drivers import access
 from lbr.drivers.i2c_bus import Bus
 from lbr.drivers.i2c_socket import SocketBus
-from lbr.drivers.i2c_tap import TappedBus
 from lbr.errors import DeviceError
 
 UNANSWERED = frozenset({errno.EREMOTEIO, errno.ENXIO, errno.ENODEV, errno.ETIMEDOUT, errno.EIO})
@@ -33,14 +33,49 @@ class Place(NamedTuple):
     address: int
 
 
+class KernelBus(Bus):
+    """A bus of this machine's."""
+
+    def __init__(self, number: int, tap: Tap) -> None:
+        try:
+            from smbus2 import SMBus
+        except ImportError as err:
+            raise DeviceError("the package smbus2 is not installed; pip install lbr brings it") from err
+        self._bus = SMBus(number)
+        if self._bus.fd is not None:
+            with suppress(OSError):  # an adapter may wait a whole second otherwise
+                fcntl.ioctl(self._bus.fd, _I2C_TIMEOUT, _TIMEOUT_10MS)
+        super().__init__(tap)
+
+    def transact(self, address: int, written: bytes, length: int) -> bytes:
+        """Use the call of SMBus for that many bytes."""
+        bus, (register, *data) = self._bus, written
+        match length, data:
+            case 0, [value]:
+                bus.write_byte_data(address, register, value)
+            case 0, _:
+                bus.write_i2c_block_data(address, register, data)
+            case 1, _:
+                return bytes((bus.read_byte_data(address, register),))
+            case 2, _:
+                return bus.read_word_data(address, register).to_bytes(2, "little")
+            case _:
+                return bytes(bus.read_i2c_block_data(address, register, length))
+        return b""
+
+    def close(self) -> None:
+        """Close the device."""
+        self._bus.close()
+
+
 def open_bus(device: Device, default_address: int) -> tuple[Bus, int]:
     """Open the bus of a device row; return it and the device's address on it, `default_address` if the row has none."""
     place = locate(device, default_address)
     try:
-        bus: Bus = SocketBus(place.path) if place.path else _kernel_bus(place.number)
+        bus = SocketBus(place.path, device.tap) if place.path else KernelBus(place.number, device.tap)
     except OSError as err:
         raise DeviceError(_why_not(device, place, err), access.code_of(err)) from err
-    return TappedBus(bus, device.tap), place.address
+    return bus, place.address
 
 
 def locate(device: Device, default_address: int) -> Place:
@@ -66,18 +101,6 @@ def unanswered(device: Device, address: int, err: OSError, what: str = "") -> De
     else:
         said = f"{said} at {address:#04x} cannot be used ({_cause(err)})"
     return DeviceError(f"{said}; {_look(device)}")
-
-
-def _kernel_bus(number: int) -> Bus:
-    try:
-        from smbus2 import SMBus
-    except ImportError as err:
-        raise DeviceError("the package smbus2 is not installed; pip install lbr brings it") from err
-    bus = SMBus(number)
-    if bus.fd is not None:
-        with suppress(OSError):  # an adapter may wait a whole second otherwise
-            fcntl.ioctl(bus.fd, _I2C_TIMEOUT, _TIMEOUT_10MS)
-    return bus
 
 
 def _why_not(device: Device, place: Place, err: OSError) -> str:

@@ -1,29 +1,104 @@
-"""The i2c bus as drivers need it, whatever is behind it."""
+"""The i2c bus as drivers need it, whatever is behind it; a recorder hears its transactions.
 
+A transaction for the recorder, as on a socket: u8 number of messages; for each u8 7-bit address, u8 flags (1: read), u16
+length, and the bytes of a write. Its answer: u8 status (0, or an errno), then, if it is 0, the bytes of all reads in
+order. Numbers are little endian.
+"""
+
+import errno
+import struct
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import NamedTuple
+
+from lbr.capability.tap import Tap
+
+MAX_BLOCK_BYTES = 32
+READ_FLAG = 1
+_HEAD = struct.Struct("<BBH")
 
 
-class Bus(Protocol):
-    """The calls of `smbus2.SMBus` that drivers use; each raises OSError, with an errno, if it did not succeed."""
+class Write(NamedTuple):
+    """One message of a transaction: bytes to a device."""
 
-    def read_byte_data(self, i2c_addr: int, register: int) -> int:
+    address: int
+    data: bytes
+
+
+class Read(NamedTuple):
+    """One message of a transaction: `length` bytes from a device."""
+
+    address: int
+    length: int
+
+
+def encode_transaction(messages: Sequence[Write | Read]) -> bytes:
+    """Return the request for a transaction of 1 to 255 messages."""
+    parts = [bytes((len(messages),))]
+    for message in messages:
+        if isinstance(message, Write):
+            parts += [_HEAD.pack(message.address, 0, len(message.data)), message.data]
+        else:
+            parts.append(_HEAD.pack(message.address, READ_FLAG, message.length))
+    return b"".join(parts)
+
+
+class Bus(ABC):
+    """The calls of `smbus2.SMBus` that drivers use; each is one transaction, and raises OSError, with an errno, if it
+    did not succeed."""
+
+    def __init__(self, tap: Tap) -> None:
+        self._tap = tap
+        tap.opened()
+
+    def read_byte_data(self, address: int, register: int) -> int:
         """Return one register."""
+        return self._recorded(address, bytes((register,)), 1)[0]
 
-    def read_word_data(self, i2c_addr: int, register: int) -> int:
+    def read_word_data(self, address: int, register: int) -> int:
         """Return two registers, the low byte first."""
+        return int.from_bytes(self._recorded(address, bytes((register,)), 2), "little")
 
-    def read_i2c_block_data(self, i2c_addr: int, register: int, length: int) -> list[int]:
+    def read_i2c_block_data(self, address: int, register: int, length: int) -> list[int]:
         """Return up to 32 registers of one instant."""
+        _check_length(length)
+        return list(self._recorded(address, bytes((register,)), length))
 
-    def write_byte_data(self, i2c_addr: int, register: int, value: int) -> None:
+    def write_byte_data(self, address: int, register: int, value: int) -> None:
         """Set one register."""
+        self._recorded(address, bytes((register, value)))
 
-    def write_i2c_block_data(self, i2c_addr: int, register: int, data: Sequence[int]) -> None:
+    def write_i2c_block_data(self, address: int, register: int, data: Sequence[int]) -> None:
         """Set up to 32 registers."""
+        _check_length(len(data))
+        self._recorded(address, bytes((register, *data)))
 
-    def i2c_rdwr(self, *i2c_msgs: Any) -> None:
-        """Do one transaction of several messages."""
+    @abstractmethod
+    def transact(self, address: int, written: bytes, length: int) -> bytes:
+        """Write a register's number, and what is to be in it; or read so many bytes from there on."""
 
+    @abstractmethod
     def close(self) -> None:
         """Close the device."""
+
+    def _recorded(self, address: int, written: bytes, length: int = 0) -> bytes:
+        """Do a transaction; the answer of one that failed is its errno."""
+        self._tap.sent(encode(address, written, length))
+        try:
+            data = self.transact(address, written, length)
+        except OSError as err:
+            number = err.errno or errno.EIO
+            self._tap.came(bytes((number if 0 < number < 256 else errno.EIO,)))
+            raise
+        self._tap.came(b"\0" + data)
+        return data
+
+
+def encode(address: int, written: bytes, length: int) -> bytes:
+    """Return the request for what `transact` does."""
+    return encode_transaction([Write(address, written), *([Read(address, length)] if length else [])])
+
+
+def _check_length(length: int) -> None:
+    if not 0 < length <= MAX_BLOCK_BYTES:
+        raise ValueError(f"a block has 1 to {MAX_BLOCK_BYTES} bytes, not {length}")

@@ -1,97 +1,33 @@
-"""An i2c bus at the other end of a unix socket: each request is one transaction, answered whole or with an errno.
+"""An i2c bus at the other end of a unix socket: each request is one transaction, answered whole or with an errno."""
 
-Request: u8 number of messages; for each u8 7-bit address, u8 flags (1: read), u16 length, and the bytes of a write.
-Answer: u8 status (0, or an errno), then, if it is 0, the bytes of all reads in order. Numbers are little endian.
-"""
-
-import ctypes
 import errno
 import os
 import socket
-import struct
 import time
-from collections.abc import Sequence
-from typing import Any, NamedTuple
 
 from lbr.bus.unix_address import address_of
+from lbr.capability.tap import Tap
+from lbr.drivers.i2c_bus import Bus, encode
 
 DEADLINE_S = 0.05
-MAX_BLOCK_BYTES = 32
-READ_FLAG = 1
-_HEAD = struct.Struct("<BBH")
 
 
-class Write(NamedTuple):
-    """One message of a transaction: bytes to a device."""
-
-    address: int
-    data: bytes
-
-
-class Read(NamedTuple):
-    """One message of a transaction: `length` bytes from a device."""
-
-    address: int
-    length: int
-
-
-def encode_transaction(messages: Sequence[Write | Read]) -> bytes:
-    """Return the request for a transaction of 1 to 255 messages."""
-    parts = [bytes((len(messages),))]
-    for message in messages:
-        if isinstance(message, Write):
-            parts += [_HEAD.pack(message.address, 0, len(message.data)), message.data]
-        else:
-            parts.append(_HEAD.pack(message.address, READ_FLAG, message.length))
-    return b"".join(parts)
-
-
-class SocketBus:
-    """The calls of smbus2 over a socket; every failure is an OSError with an errno that a Pi's bus knows too.
+class SocketBus(Bus):
+    """Every failure is an OSError with an errno that a Pi's bus knows too.
 
     No call takes longer than the deadline. One that was cut short leaves the stream out of step, so that the next one
     connects again.
     """
 
-    def __init__(self, path: str, deadline_s: float = DEADLINE_S) -> None:
+    def __init__(self, path: str, tap: Tap | None = None, deadline_s: float = DEADLINE_S) -> None:
         self._path = path
         self._deadline_s = deadline_s
-        self._reads: dict[tuple[int, int, int], bytes] = {}
         self._socket: socket.socket | None = self._connect()
+        super().__init__(tap or Tap())
 
-    def read_byte_data(self, i2c_addr: int, register: int) -> int:
-        """Return one register."""
-        return self._read(i2c_addr, register, 1)[0]
-
-    def read_word_data(self, i2c_addr: int, register: int) -> int:
-        """Return two registers, the low byte first."""
-        return int.from_bytes(self._read(i2c_addr, register, 2), "little")
-
-    def read_i2c_block_data(self, i2c_addr: int, register: int, length: int) -> list[int]:
-        """Return up to 32 registers of one instant."""
-        _bounded(length)
-        return list(self._read(i2c_addr, register, length))
-
-    def write_byte_data(self, i2c_addr: int, register: int, value: int) -> None:
-        """Set one register."""
-        self._transact(encode_transaction([Write(i2c_addr, bytes((register, value)))]))
-
-    def write_i2c_block_data(self, i2c_addr: int, register: int, data: Sequence[int]) -> None:
-        """Set up to 32 registers."""
-        _bounded(len(data))
-        self._transact(encode_transaction([Write(i2c_addr, bytes((register, *data)))]))
-
-    def i2c_rdwr(self, *i2c_msgs: Any) -> None:
-        """Do what smbus2's `i2c_msg` objects say, as one transaction, and fill in those that read."""
-        messages = [
-            Read(each.addr, each.len) if each.flags & READ_FLAG else Write(each.addr, bytes(each)) for each in i2c_msgs
-        ]
-        expected = sum(message.length for message in messages if isinstance(message, Read))
-        data = self._transact(encode_transaction(messages), expected)
-        for each in i2c_msgs:
-            if each.flags & READ_FLAG:
-                ctypes.memmove(each.buf, data[: each.len], each.len)
-                data = data[each.len :]
+    def transact(self, address: int, written: bytes, length: int) -> bytes:
+        """Send the request, and return the bytes read."""
+        return self._transact(encode(address, written, length), length)
 
     def close(self) -> None:
         """Close the socket; never fails."""
@@ -109,14 +45,6 @@ class SocketBus:
             connection.close()
             raise
         return connection
-
-    def _read(self, address: int, register: int, length: int) -> bytes:
-        wanted = (address, register, length)
-        request = self._reads.get(wanted)
-        if request is None:
-            request = encode_transaction([Write(address, bytes((register,))), Read(address, length)])
-            self._reads[wanted] = request
-        return self._transact(request, length)
 
     def _transact(self, request: bytes, expected: int = 0) -> bytes:
         """Return the bytes read, of which `expected` are due."""
@@ -149,8 +77,3 @@ class SocketBus:
             answer += part
             connection.settimeout(self._deadline_s)
         return answer
-
-
-def _bounded(length: int) -> None:
-    if not 0 < length <= MAX_BLOCK_BYTES:
-        raise ValueError(f"a block has 1 to {MAX_BLOCK_BYTES} bytes, not {length}")

@@ -5,11 +5,11 @@ import os
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from smbus2 import i2c_msg
 
 from lbr.capability.context import Device
 from lbr.drivers.i2c import UNANSWERED, locate, open_bus, unanswered
-from lbr.drivers.i2c_socket import Read, SocketBus, Write, encode_transaction
+from lbr.drivers.i2c_bus import Read, Write, encode_transaction
+from lbr.drivers.i2c_socket import SocketBus
 from lbr.errors import DeviceError
 from tests.drivers.i2c_peer import Server, device, read_request
 
@@ -90,14 +90,6 @@ def test_reads_and_writes_are_single_transactions(bus, peer):
         [(0x68, b"\x6b\x80")],
         [(0x68, b"\x19\x01\x02\x03")],
     ]
-
-
-def test_messages_made_by_smbus2_are_understood(bus, peer):
-    peer.answer = lambda _messages: b"\0abcde"
-    first, second = i2c_msg.read(0x68, 2), i2c_msg.read(0x0C, 3)
-    bus.i2c_rdwr(i2c_msg.write(0x68, [0x3B]), first, second)
-    assert (bytes(first), bytes(second)) == (b"ab", b"cde")
-    assert peer.log == [[(0x68, b"\x3b"), (0x68, 2), (0x0C, 3)]]
 
 
 @pytest.mark.parametrize("length", [0, 33])

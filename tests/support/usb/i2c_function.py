@@ -4,7 +4,7 @@ import socket
 import struct
 from pathlib import Path
 
-from lbr.drivers.i2c_socket import Read, Write, encode_transaction
+from lbr.drivers.i2c_bus import Read, Write, encode_transaction
 from tests.support.usb import descriptors as usb
 from tests.support.usb.descriptors import Identity
 from tests.support.usb.device import Function

@@ -16,7 +16,7 @@ from multiprocessing.sharedctypes import Synchronized
 from typing import NamedTuple, Protocol
 
 from lbr.apps.recorder.recording.lines import RecordedLine
-from lbr.drivers.i2c_socket import Read, Write, encode_transaction
+from lbr.drivers.i2c_bus import Read, Write, encode_transaction
 from lbr.errors import BusError, DeviceError
 from lbr.simulation.i2c import FramingError, RequestReader, refusal
 from lbr.simulation.port import PtyPort
