@@ -7,7 +7,7 @@ from math import inf, isfinite
 from lbr.drivers.roboteq import RoboteqSettings, Wheel
 from lbr.drivers.roboteq import protocol as wire
 from lbr.drivers.roboteq.exchange import Exchange, Line, Outcome
-from lbr.drivers.roboteq.readings import Setting, Text, decode
+from lbr.drivers.roboteq.readings import setting
 from lbr.drivers.roboteq.telemetry import Telemetry
 from lbr.drivers.wheels.contract import EMERGENCY_STOP, GuardStop, Measured
 from lbr.errors import DeviceError
@@ -192,8 +192,7 @@ class Controller:
 
     def _verify(self, name: str, expected: int, meaning: str) -> None:
         outcome = self._ask(wire.read_setting(name), SETUP_TRIES)
-        found = decode(outcome.value) if outcome and outcome.value else None
-        value = found.value if isinstance(found, Setting) else None
+        value = setting(outcome.value.text) if outcome and outcome.value else None
         if value != expected:
             said = "no number" if value is None else str(value)
             raise DeviceError(self._sentence(f"answers ~{name} with {said}, expected {expected} ({meaning})"))
@@ -321,5 +320,4 @@ def wire_value(power: float, wheel: Wheel) -> int:
 
 
 def _text(outcome: Outcome | None) -> str:
-    found = decode(outcome.value) if outcome and outcome.value else None
-    return found.text if isinstance(found, Text) else ""
+    return outcome.value.text.strip() if outcome and outcome.value else ""
