@@ -4,7 +4,8 @@ from typing import Generic, TypeVar
 
 from msgspec import Struct
 
-from lbr.capability.context import Call, Context
+from lbr.capability.context import Call, Context, Device
+from lbr.errors import DeviceError
 from lbr.messages.codes import Reason
 
 S = TypeVar("S", bound=Struct)
@@ -28,6 +29,14 @@ class Capability(Generic[S]):
 
     def __init__(self, ctx: Context[S]) -> None:
         self.ctx = ctx
+
+    @property
+    def device_row(self) -> Device:
+        """Return the device row that the settings name; raise a DeviceError that says which is missing."""
+        if self.ctx.device is None:
+            name = getattr(self.ctx.settings, "device", "")
+            raise DeviceError(f"'{self.ctx.name}' has no device row '{name}'; add it")
+        return self.ctx.device
 
     def open(self) -> None:
         """Acquire what the row names; must return within a second or raise DeviceError."""

@@ -294,13 +294,6 @@ def test_an_address_that_is_none_is_told(started, settings, address, words, monk
     assert words in ctx.state.reason
 
 
-def test_without_a_device_row_it_says_which_is_missing(tmp_path):
-    ctx = CameraContext(KIND.parse(ON), "", tmp_path)
-    ctx.device = None
-    with pytest.raises(DeviceError, match="no device row 'front'"):
-        KIND.load()(ctx).open()
-
-
 def test_of_a_v4l2_buffer_only_the_used_bytes_go_out(started, webcam):
     camera, ctx = started(address="/dev/video0")
     webcam.fill(jpeg(1), junk=b"of an older picture\xff\xd9", age_s=0.1)

@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.drivers.infrared import KIND, InfraredSettings, decoders
-from lbr.drivers.infrared.recent_signals import RecentSignals
 from lbr.drivers.infrared.records import Scancode, parser
 from lbr.drivers.input_events import EVENT
 from lbr.simulation.devices.infrared import BeamCodes
@@ -75,18 +74,6 @@ def test_a_record_no_kernel_writes_is_no_scancode(record):
     made = parser(events=False)
     assert made.feed(record) == []
     assert made.passed_over
-
-
-@given(st.lists(st.tuples(st.sampled_from("ab"), st.floats(0, 100)), max_size=10), st.floats(0, 200))
-def test_a_signal_counts_for_its_time_to_live_after_it_was_seen_last(sights, now):
-    heard = RecentSignals[str](1.5)
-    for signal, seen in sights:
-        heard.hear(signal, seen)
-    last = {signal: max(seen for other, seen in sights if other == signal) for signal, _ in sights}
-    for signal in "ab":
-        expected = signal in last and max(0.0, now - last[signal]) < 1.5
-        assert heard.counts(signal, now) == expected
-        assert (heard.age_s(signal, now) is None) == (signal not in last)
 
 
 def test_codes_are_numbers_or_hexadecimal():

@@ -13,7 +13,7 @@ from lbr.drivers.camera import CameraSettings, switch_memory
 from lbr.drivers.camera.capture import Capture
 from lbr.drivers.camera.picture import Picture
 from lbr.drivers.camera.source import open_source
-from lbr.errors import DeviceError, InputError
+from lbr.errors import InputError
 from lbr.messages.camera import CameraState, JpegFrame, SnapshotCommand, SnapshotReply, SwitchCommand
 from lbr.messages.leases import CommandReply
 
@@ -38,7 +38,10 @@ class _Switching:
 
 
 class Camera(Capability[CameraSettings]):
-    """Publishes the newest picture. Its sight is up to `switch`, also while its device is away."""
+    """Publishes the newest picture. Its sight is up to `switch`, also while its device is away.
+
+    The device is opened in the capture's own thread, and again whenever it was lost.
+    """
 
     rate_hz = 10.0
 
@@ -53,11 +56,6 @@ class Camera(Capability[CameraSettings]):
         self._state_at = self._counted_at = self._opened_at = self._watched_at = 0.0
         self._counted = 0
         self._said = ("", False)
-
-    def open(self) -> None:
-        """Check the rows; the device is opened in the capture's own thread, and again whenever it was lost."""
-        if self.ctx.device is None:
-            raise DeviceError(f"'{self.ctx.name}' has no device row '{self.ctx.settings.device}'; add it")
 
     def step(self) -> None:
         """Publish what there is, and bring the device to where the switch wants it."""
@@ -104,8 +102,7 @@ class Camera(Capability[CameraSettings]):
             self._dropped_before += capture.dropped
             self._capture = None
         if self._on:
-            device, settings = self.ctx.device, self.ctx.settings
-            assert device is not None
+            device, settings = self.device_row, self.ctx.settings
             self._opened_at = self.ctx.clock()
             self._capture = Capture(lambda: open_source(device, settings), self.ctx.wake, fps=settings.fps)
             self._watched_at = self._opened_at
@@ -193,13 +190,12 @@ class Camera(Capability[CameraSettings]):
             )
 
     def _state(self) -> CameraState:
-        capture, newest, device = self._capture, self._newest, self.ctx.device
-        assert device is not None
+        capture, newest = self._capture, self._newest
         size = pictures.size_px(newest.data) if newest is not None else None
         return CameraState(
             on=self._on,
             phase=capture.phase if capture is not None else "off",
-            device=device.address,
+            device=self.device_row.address,
             width_px=size[0] if size else None,
             height_px=size[1] if size else None,
             fps=self._fps if capture is not None and capture.phase == "streaming" else None,

@@ -7,7 +7,6 @@ from lbr.capability.context import Context
 from lbr.drivers.gamepad import GamepadSettings
 from lbr.drivers.gamepad.pad import Held
 from lbr.drivers.gamepad.receiver import Receiver
-from lbr.errors import DeviceError
 from lbr.messages.gamepad import GamepadState
 
 HELD_EVERY_S, REST_EVERY_S = 0.05, 0.5
@@ -29,9 +28,7 @@ class Gamepad(Capability[GamepadSettings]):
 
     def open(self) -> None:
         """Open the gamepad; it is read by nobody else from now on."""
-        if self.ctx.device is None:
-            raise DeviceError(f"'{self.ctx.name}' has no device row '{self.ctx.settings.device}'; add it")
-        self._receiver = Receiver(self.ctx.device)
+        self._receiver = Receiver(self.device_row)
         self._held, self._spoke_at, self._published_at = self._receiver.held(), None, -inf
 
     def step(self) -> None:

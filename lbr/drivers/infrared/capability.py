@@ -6,7 +6,6 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.drivers.infrared import BEAMS, Beam, InfraredSettings
 from lbr.drivers.infrared.receiver import Receiver
-from lbr.drivers.infrared.recent_signals import RecentSignals
 from lbr.drivers.infrared.records import ANY_PROTOCOL, Scancode
 from lbr.errors import DeviceError
 from lbr.messages.dock import DockSignal
@@ -28,7 +27,7 @@ class Infrared(Capability[InfraredSettings]):
 
     def __init__(self, ctx: Context[InfraredSettings]) -> None:
         super().__init__(ctx)
-        self._heard: RecentSignals[Beam] = RecentSignals(ctx.settings.ttl_s)
+        self._seen_at: dict[Beam, float] = {}
         self._beams = ctx.settings.beams
         self._receiver: Receiver | None = None
         self._retry_at = -inf
@@ -52,8 +51,7 @@ class Infrared(Capability[InfraredSettings]):
         """Take in a beam that another program has seen."""
         for beam in BEAMS:
             if getattr(call.message, beam):
-                self._heard.hear(beam, call.arrived)
-                self._new = True
+                self._note(beam, call.arrived)
         call.reply(CommandReply(accepted=True))
 
     def close(self) -> None:
@@ -76,9 +74,7 @@ class Infrared(Capability[InfraredSettings]):
     def _open(self) -> None:
         if self.ctx.clock() < self._retry_at:
             return
-        if self.ctx.device is None:
-            raise DeviceError(f"'{self.ctx.name}' has no device row '{self.ctx.settings.device}'; add it")
-        self._receiver = Receiver(self.ctx.device, self.ctx.settings)
+        self._receiver = Receiver(self.device_row, self.ctx.settings)
         self.ctx.ready()
 
     def _take(self, scancode: Scancode) -> None:
@@ -88,19 +84,24 @@ class Infrared(Capability[InfraredSettings]):
             return
         now = self.ctx.clock()
         ours = now - OLDEST_S < scancode.taken_s <= now  # else the device goes by a clock of its own
-        self._heard.hear(beam, scancode.taken_s if ours else now)
+        self._note(beam, scancode.taken_s if ours else now)
+
+    def _note(self, beam: Beam, seen_at: float) -> None:
+        """Remember when a beam was seen; an older sight changes nothing."""
+        self._seen_at[beam] = max(seen_at, self._seen_at.get(beam, seen_at))
         self._new = True
 
     def _signal(self, now: float) -> DockSignal:
-        def rounded(beam: Beam) -> float | None:
-            age_s = self._heard.age_s(beam, now)
-            return None if age_s is None else round(age_s, 3)
+        ages_s = {beam: round(max(0.0, now - seen_at), 3) for beam, seen_at in self._seen_at.items()}
+
+        def counts(beam: Beam) -> bool:
+            return now - self._seen_at.get(beam, -inf) < self.ctx.settings.ttl_s
 
         return DockSignal(
-            left=self._heard.counts("left", now),
-            right=self._heard.counts("right", now),
-            power=self._heard.counts("power", now),
-            left_age_s=rounded("left"),
-            right_age_s=rounded("right"),
-            power_age_s=rounded("power"),
+            left=counts("left"),
+            right=counts("right"),
+            power=counts("power"),
+            left_age_s=ages_s.get("left"),
+            right_age_s=ages_s.get("right"),
+            power_age_s=ages_s.get("power"),
         )

@@ -9,7 +9,6 @@ from lbr.drivers.inertial import Notices
 from lbr.drivers.pico import PicoSettings
 from lbr.drivers.pico.registers import STATUS_ADDRESS
 from lbr.drivers.pico.supply import Supply
-from lbr.errors import DeviceError
 from lbr.messages.leases import CommandReply
 from lbr.messages.power import RelayCommand, UpsState
 
@@ -26,11 +25,9 @@ class Pico(Capability[PicoSettings]):
 
     def open(self) -> None:
         """Open the bus; whether anybody answers there shows in the first second."""
-        settings = self.ctx.settings
-        if self.ctx.device is None:
-            raise DeviceError(f"'{self.ctx.name}' has no device row '{settings.device}'; add it")
-        bus, address = open_bus(self.ctx.device, STATUS_ADDRESS)
-        self._supply = Supply(bus, address, self.ctx.device, settings, self.ctx.clock)
+        device = self.device_row
+        bus, address = open_bus(device, STATUS_ADDRESS)
+        self._supply = Supply(bus, address, device, self.ctx.settings, self.ctx.clock)
         self._trouble = ""
 
     def step(self) -> None:
@@ -81,5 +78,5 @@ class Pico(Capability[PicoSettings]):
 
     def _publish(self, state: UpsState) -> None:
         """Publish, and say if it is no hardware: a supply behind a socket."""
-        emulated = self.ctx.device is not None and not self.ctx.device.address.startswith("i2c:")
+        emulated = not self.device_row.address.startswith("i2c:")
         self.ctx.publish("state", replace(state, emulated=emulated))

@@ -6,17 +6,18 @@ import sys
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from math import inf
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Context, Device
-from lbr.drivers.guard import WOKEN, Guard
+from lbr.drivers.guard import WOKEN
 from lbr.drivers.servos import ServosSettings
 from lbr.drivers.servos.gate import ServoGate, first, receive, strength, tick
-from lbr.drivers.servos.rest import BELIEVED_S, Rest
+from lbr.drivers.servos.rest import BELIEVED_S
+from lbr.drivers.servos.session import Session
 from lbr.errors import DeviceError
 from lbr.messages.joints import Joint
-from lbr.messages.servos import ServoPhase, ServoSetpoint
+from lbr.messages.servos import BusStatistics, ServoPhase, ServoSetpoint, ServosState, ServoState
 
 SWITCH_S = 1e-4
 """The loop's thread may keep the bus's thread waiting no longer than this."""
@@ -30,36 +31,16 @@ LOST_S = 1.0
 S = TypeVar("S", bound=ServosSettings)
 
 
-class Session(Protocol):
-    """The objects that live as long as the line is open, as far as the capability needs them."""
-
-    @property
-    def guard(self) -> Guard | None:
-        """The guard, once there is one."""
-
-    @property
-    def turning(self) -> bool:
-        """Return whether any servo has torque, or is getting it."""
-
-    @property
-    def rest(self) -> Rest:
-        """The judge of whether the servos rest."""
-
-    @property
-    def failure(self) -> Exception | None:
-        """Return what ended the bus's thread."""
-
-    def beat(self) -> None:
-        """Start the guard once it is needed, and feed it."""
-
-    def judge(self) -> None:
-        """Tell of a bad line, now and then."""
-
-    def close(self, *, release: bool) -> None:
-        """Tell the servos to hold or release them, and close the line; what still has torque then is the guard's."""
+T = TypeVar("T", bound=Session[Any, Any])
 
 
-T = TypeVar("T", bound=Session)
+class Measured(NamedTuple):
+    """One coherent look at all servos, as their state publishes it; `sweep` is 0 before the first."""
+
+    sweep: int
+    ended: float
+    servos: tuple[ServoState, ...]
+    bus: BusStatistics
 
 
 class Servos(Capability[S], ABC, Generic[S, T]):
@@ -94,8 +75,8 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         """Tell the servos what follows from `self._gate` and the emergency stop, and acknowledge that."""
 
     @abstractmethod
-    def publish_state(self, session: T | None, now: float, away: str = "") -> None:
-        """Publish the state; without a session say that the line is away, and why."""
+    def measured(self, session: T, now: float) -> Measured:
+        """Return what is known of all servos."""
 
     @abstractmethod
     def shown(self, session: T, now: float) -> tuple[object, ...]:
@@ -112,13 +93,12 @@ class Servos(Capability[S], ABC, Generic[S, T]):
     def open(self) -> None:
         """Open the line and begin to look for the servos; nothing is switched on, and nothing moves."""
         settings = self.ctx.settings
-        if self.ctx.device is None:
-            raise DeviceError(f"'{self.ctx.name}' has no device row '{settings.device}'; add it")
+        device = self.device_row
         if not self._joints:
             raise DeviceError(f"'{self.ctx.name}' has no servos: the table joint has no rows for this robot; add them")
         sys.setswitchinterval(SWITCH_S)
         self._gate, self._valid_s = first(self.ctx.clock()), settings.setpoint_valid_s
-        self._session = self.connected(self.ctx.device, list(self._joints))
+        self._session = self.connected(device, list(self._joints))
         self._warned, self._warned_at = None, -inf
 
     def step(self) -> None:
@@ -285,11 +265,35 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         """Publish what follows a state; `before` is what was shown until then."""
 
     def _publish(self, session: T | None, away: str = "") -> None:
-        self._published = self.ctx.clock()
-        self.publish_state(session, self._published, away)
+        """Publish one coherent look at all servos, or that the line is away."""
+        now = self._published = self.ctx.clock()
+        if session is None:
+            phase: ServoPhase = "holding" if self._left_on else "released"
+            state = ServosState(
+                sweep=0, measured_s=now, armed=False, phase=phase, servos=(), reason=away, **self.common_state()
+            )
+        else:
+            measured, inhibited = self.measured(session, now), self.inhibited()
+            state = ServosState(
+                sweep=measured.sweep,
+                measured_s=measured.ended if measured.sweep else now,
+                armed=not inhibited,
+                phase=self.phase(session, now),
+                servos=measured.servos,
+                reason=inhibited or self._gate.reason,
+                rests=session.rest.lasts,
+                bus=measured.bus,
+                **self.common_state(),
+            )
+        self.ctx.publish("state", state)
+
+    def inhibited(self) -> str:
+        """Say why no setpoint would be applied, or nothing."""
+        gone = self._gone()
+        return (self._gate.reason or gone) if self._gate.estop or gone else ""
 
     def common_state(self) -> dict[str, Any]:
-        """Return the fields of a state that come from the gate."""
+        """Return the fields of a state that are there without a line, too."""
         device = self.ctx.device if self._session is not None else None
         heard = device.tap.heard if device is not None else None
         return {"estop": self.ctx.estop.engaged, "halt": self._gate.halt or 0, "heard": heard}

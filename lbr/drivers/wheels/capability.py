@@ -89,9 +89,7 @@ class Wheels(Capability[S], ABC):
     def open(self) -> None:
         """Open the line and bring the controller up, at zero."""
         settings = self.ctx.settings
-        if self.ctx.device is None:
-            raise DeviceError(f"'{self.ctx.name}' has no device row '{settings.device}'; add it")
-        self._controller = self.connect(self.ctx.device, self._beat)
+        self._controller = self.connect(self.device_row, self._beat)
         self._controller.open()
         if settings.guard:
             self._guard = self._guarded(self._controller)
@@ -357,7 +355,7 @@ class Wheels(Capability[S], ABC):
             reason=state.reason,
             estop=self.ctx.estop.engaged,
             trips=state.trips,
-            heard=self.ctx.device.tap.heard if self.ctx.device is not None else None,
+            heard=self.device_row.tap.heard,
             rests=self._rests,
         )
         self.ctx.publish("state", message)
