@@ -8,11 +8,11 @@ import pytest
 from lbr.capability.context import Device
 from lbr.drivers.dynamixel import KIND, DynamixelSettings, table
 from lbr.drivers.dynamixel.bus import Bus
-from lbr.drivers.servos.capability import LOST_S, RATE_HZ, REST_HZ, Servos
+from lbr.drivers.servos.capability import LOST_S, RATE_HZ, REST_HZ, Measured, Servos
 from lbr.drivers.servos.poller import Poller
 from lbr.drivers.servos.rest import BELIEVED_S, FULL_S, STILL_S, Rest
 from lbr.messages.joints import Joint
-from lbr.messages.servos import ServoGoal, ServoSetpoint
+from lbr.messages.servos import BusStatistics, ServoGoal, ServoSetpoint
 from lbr.simulation.devices.dynamixel.bus import DynamixelBus
 from lbr.simulation.devices.dynamixel.dongle import Usb2Ax
 from lbr.simulation.devices.dynamixel.servo import AxServo
@@ -170,8 +170,8 @@ class Driver(Servos):
     def act(self, _session, _now):
         self.follows.append(self._gate.follows)
 
-    def publish_state(self, _session, _now, _away=""):
-        pass
+    def measured(self, _session, now):
+        return Measured(1, now, (), BusStatistics(sweeps_hz=0.0, states_hz=0.0, sweep_ms=0.0))
 
     def shown(self, _session, _now):
         return ()

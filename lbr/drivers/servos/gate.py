@@ -66,6 +66,10 @@ class ServoGate(SetpointGate[BornSetpoint]):
         """Return whether there ever was a setpoint; before, torque is left as it was found."""
         return self.born > -inf
 
+    def stopped_since(self, before: "ServoGate") -> bool:
+        """Return whether a stop came since that state, or the end of what was followed then."""
+        return self.halts != before.halts or (before.follows and not self.follows)
+
 
 def first(now: float) -> ServoGate:
     """Return the state before anything came: what may already have torque has no sender yet."""
@@ -74,8 +78,8 @@ def first(now: float) -> ServoGate:
 
 def receive(state: ServoGate, setpoint: ServoSetpoint, born: float, now: float, valid_s: float) -> ServoGate:
     """Take a setpoint of the wired source; `born` is the older of its stamp and its arrival."""
-    told = BornSetpoint(setpoint, born)
-    verdict = state.judge(told, now, valid_s)
+    received = BornSetpoint(setpoint, born)
+    verdict = state.judge(received, now, valid_s)
     if verdict == "late":
         return state
     state = _halted(state, setpoint)
@@ -91,7 +95,7 @@ def receive(state: ServoGate, setpoint: ServoSetpoint, born: float, now: float, 
     if verdict == "revoked":
         return state.closed("the lease of this motion has died; stop, then move again")
     goals = {goal.id: goal for goal in setpoint.goals}
-    return replace(state, goals=goals, setpoint=told, lease=setpoint.lease, reason="")
+    return replace(state, goals=goals, setpoint=received, lease=setpoint.lease, reason="")
 
 
 def tick(state: ServoGate, now: float, valid_s: float, gone: str = "", estop: str | None = None) -> ServoGate:

@@ -10,14 +10,14 @@ from typing import Generic, TypeVar
 from lbr.capability.context import Call, Context, Device
 from lbr.drivers.servos import RegisterServosSettings
 from lbr.drivers.servos.bus_thread import READ, WRITE
-from lbr.drivers.servos.capability import Servos
+from lbr.drivers.servos.capability import Measured, Servos
 from lbr.drivers.servos.contract import B, ServoLink, Snapshot
 from lbr.drivers.servos.guard import Guard
 from lbr.drivers.servos.session import NOTABLE_BYTES, ServoSession
 from lbr.drivers.servos.view import servo_state, statistics
 from lbr.errors import DeviceError
 from lbr.messages.leases import CommandReply
-from lbr.messages.servos import RecoverServos, ServoPhase, ServosState
+from lbr.messages.servos import RecoverServos
 
 SILENT_S = 1.5
 CONFIRM_S = 0.05
@@ -68,7 +68,7 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
 
     def answers(self) -> bool:
         """Return whether any servo was heard."""
-        return self._session is not None and self._session.poller.heard > self._session.opened
+        return self._session is not None and self._session.hears
 
     def known(self) -> bool:
         """Return whether every servo was looked for; before, silence leaves open which of them have torque."""
@@ -139,29 +139,12 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
         phase, rests = self.phase(session, now), session.rest.lasts
         return self._snapshot.sweep, phase, rests, gate.reason, self.ctx.estop.engaged, gate.halt
 
-    def publish_state(self, session: ServoSession[S, B] | None, now: float, away: str = "") -> None:
-        """Publish one coherent look at all servos, or that the line is away."""
-        if session is None:
-            phase: ServoPhase = "holding" if self._left_on else "released"
-            state = ServosState(
-                sweep=0, measured_s=now, armed=False, phase=phase, servos=(), reason=away, **self.common_state()
-            )
-            self.ctx.publish("state", state)
-            return
+    def measured(self, session: ServoSession[S, B], now: float) -> Measured:
+        """Return what was read of all servos, and ordered."""
         snapshot, model = self._snapshot, session.link.model
-        servos = session.targets.servos.values()
-        state = ServosState(
-            sweep=snapshot.sweep,
-            measured_s=snapshot.ended if snapshot.sweep else now,
-            armed=not (self._gate.estop or self._gone()),
-            phase=self.phase(session, now),
-            servos=tuple(servo_state(out, snapshot.servos[out.id], model, now) for out in servos),
-            reason=self._gate.reason,
-            rests=session.rest.lasts,
-            bus=statistics(session.bus, snapshot),
-            **self.common_state(),
-        )
-        self.ctx.publish("state", state)
+        targets = session.targets.servos.values()
+        servos = tuple(servo_state(target, snapshot.servos[target.id], model, now) for target in targets)
+        return Measured(snapshot.sweep, snapshot.ended, servos, statistics(session.bus, snapshot))
 
     def _heed_estop(self, session: ServoSession[S, B], now: float) -> None:
         """Acknowledge when every servo was read to hold where it is, or to be without torque."""

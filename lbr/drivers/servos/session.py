@@ -1,18 +1,18 @@
-"""The objects that live as long as the line of a servo bus is open: the bus, its thread, the poller, the orders, the
-guard."""
+"""The objects that live as long as a line of servos is open: the bus, its thread, the poller, the orders, the guard."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
-from math import inf
-from typing import Generic, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 from lbr.capability.context import Context
 from lbr.drivers.guard import Guard
 from lbr.drivers.servos import ServosSettings
 from lbr.drivers.servos.bus_thread import BusThread
-from lbr.drivers.servos.contract import B, ServoLink, Tell
+from lbr.drivers.servos.contract import B, Counts, ServoLink, Tell
 from lbr.drivers.servos.poller import Poller
 from lbr.drivers.servos.rest import Rest
 from lbr.drivers.servos.targets import ServoTargets
+from lbr.drivers.servos.torque import Torque
 from lbr.errors import DeviceError
 
 CLOSING_S = 0.3
@@ -20,21 +20,84 @@ JUDGED_S = 5.0
 NOTABLE_BYTES = 200
 """Fewer bytes that mean nothing, in all of JUDGED_S, come from any line now and then."""
 S = TypeVar("S", bound=ServosSettings)
+L = TypeVar("L", bound="PolledLine")
 
 
-class GuardPost(Generic[S]):
-    """Starts the guard of a servo driver when it is needed, and feeds it."""
+class PolledLine(Protocol):
+    """The bus, as far as every session needs it."""
 
-    def __init__(self, ctx: Context[S], start: Callable[[], Guard]) -> None:
-        self._ctx = ctx
-        self._start = start
+    @property
+    def counts(self) -> Counts:
+        """The errors of the line since it was opened."""
+
+    def close(self) -> None:
+        """Close the line."""
+
+
+class Heard(Protocol):
+    """The poller, as far as every session needs it; `heard` is when any servo was heard last."""
+
+    heard: float
+
+
+class Session(ABC, Generic[S, L]):
+    """What is the same for all servos. A driver's own adds `poller` and `targets`, and starts `thread`."""
+
+    poller: Heard
+    targets: Torque[Any]
+
+    def __init__(self, ctx: Context[S], bus: L, tell: Tell) -> None:
+        self.bus = bus
         self.guard: Guard | None = None
+        self.opened = self._judged = ctx.clock()
+        self.rest = Rest(ctx.clock, ctx.settings.still_rad, ctx.settings.still_load, ctx.wake)
+        self.thread = BusThread(bus, self.turn)
+        self._ctx = ctx
+        self._tell = tell
+        self._babble = 0
 
-    def beat(self, *, needed: bool, turning: bool) -> None:
-        """Feed the guard, which is there as soon as it is needed."""
-        if self.guard is None and self._ctx.settings.guard and needed:
+    @abstractmethod
+    def turn(self, bus: L) -> float:
+        """Do the next transaction of the background, in the bus's thread; return the seconds until the one after."""
+
+    @abstractmethod
+    def start_guard(self) -> Guard:
+        """Start the guard; an OSError says why not."""
+
+    @abstractmethod
+    def part(self, *, release: bool) -> None:
+        """Submit the last orders before the line is closed: to release the servos, or to hold them."""
+
+    @property
+    def turning(self) -> bool:
+        """Return whether any servo has torque, or is getting it."""
+        return self.targets.turning
+
+    @property
+    def hears(self) -> bool:
+        """Return whether any servo was heard since the line was opened."""
+        return self.poller.heard > self.opened
+
+    @property
+    def failure(self) -> Exception | None:
+        """Return what ended the bus's thread."""
+        return self.thread.failure
+
+    @property
+    def guarded(self) -> bool:
+        """Return whether the guard is there and would act, or the row wants none."""
+        return not self._ctx.settings.guard or (self.guard is not None and self.guard.listens)
+
+    def urgent(self) -> bool:
+        """Return whether a stop waits; the bus asks that while it listens."""
+        return self.thread.urgent()
+
+    def beat(self) -> None:
+        """Feed the guard, which is there as soon as a servo was heard, or may have torque."""
+        turning = self.turning
+        if self.guard is None and self._ctx.settings.guard and (turning or self.hears):
             try:
-                self.guard = self._start()
+                self.guard = self.start_guard()
             except OSError as err:
                 device = self._ctx.settings.device
                 raise DeviceError(
@@ -43,21 +106,34 @@ class GuardPost(Generic[S]):
         if self.guard is not None:
             self.guard.beat(turning=turning)
 
-    @property
-    def stands(self) -> bool:
-        """Return whether the guard is there and would act, or the row wants none."""
-        return not self._ctx.settings.guard or (self.guard is not None and self.guard.listens)
+    def judge(self) -> None:
+        """Report a line that babbles, now and then."""
+        now = self._ctx.clock()
+        if now - self._judged < JUDGED_S:
+            return
+        count, self._babble, self._judged = self.bus.counts.babble - self._babble, self.bus.counts.babble, now
+        if count > NOTABLE_BYTES:
+            text = f"{count} bytes within {JUDGED_S:g} s belong to no packet; check the cables, and for a second sender"
+            self._tell("babble", text, "warning")
 
-    def close(self, *, to_act: bool) -> None:
-        """Leave the line to the guard, or send it away."""
-        if self.guard is not None and to_act:
+    def close(self, *, release: bool) -> None:
+        """Hold or release the servos, and close the line; what still has torque then is the guard's."""
+        turning, alive = self.turning, self.thread.failure is None
+        if alive:
+            self.part(release=release)
+        self.thread.join(CLOSING_S)
+        if self.guard is not None and turning and alive and not release:
             self.guard.leave()
         elif self.guard is not None:
             self.guard.dismiss()
+        self.bus.close()
 
 
-class ServoSession(Generic[S, B]):
-    """All that lives as long as the line is open."""
+class ServoSession(Session[S, B]):
+    """An open line of servos whose registers can be read back."""
+
+    poller: Poller[B]
+    targets: ServoTargets[B]
 
     def __init__(
         self,
@@ -66,72 +142,48 @@ class ServoSession(Generic[S, B]):
         connect: Callable[[Callable[[], bool]], ServoLink[B]],
         tell: Tell,
     ) -> None:
-        self._ctx = ctx
-        link = self.link = connect(self._urgent)
-        self.opened = self._judged = ctx.clock()
-        self._babble, self._echo, self._begun = 0, False, False
-        self._tell = tell
-        self.bus = link.bus
-        self.post = GuardPost(ctx, link.guard)
+        link = self.link = connect(self.urgent)
+        super().__init__(ctx, link.bus, tell)
+        self._echo = self._begun = False
         settings = ctx.settings
-        rest = self.rest = Rest(ctx.clock, settings.still_rad, settings.still_load, ctx.wake)
         periods = 1.0 / settings.sweep_hz, 1.0 / min(settings.sweep_hz, settings.rest_hz)
-        self.poller = Poller[B](servos, ctx.clock, periods[0], link.prepare, tell, rest, periods[1])
-        self.thread = BusThread(self.bus, self._turn)
-        self.targets = ServoTargets[B](servos, self.thread, ctx.clock, link.model, tell, rest)
+        self.poller = Poller[B](servos, ctx.clock, periods[0], link.prepare, tell, self.rest, periods[1])
+        self.targets = ServoTargets[B](servos, self.thread, ctx.clock, link.model, tell, self.rest)
         self.thread.start()
-
-    @property
-    def guard(self) -> Guard | None:
-        """The guard, once there is one."""
-        return self.post.guard
-
-    @property
-    def turning(self) -> bool:
-        """Return whether any servo has torque, or is getting it."""
-        return self.targets.turning
 
     @property
     def failure(self) -> Exception | None:
         """Return what ended the bus's thread, or kept it from telling a servo something."""
         return self.thread.failure or self.targets.broken
 
-    def beat(self) -> None:
-        """Feed the guard, which is there as soon as a servo was heard."""
-        self.post.beat(needed=self.poller.heard > -inf, turning=self.turning)
-        self.targets.guarded = self.post.stands
-
-    def judge(self) -> None:
-        """Tell of a line that babbles or echoes, now and then."""
-        now, bus = self._ctx.clock(), self.bus
-        self.link.judge()
-        if bus.echo and not self._echo:
-            self._echo = True
-            self._tell("echo", "the adapter hears what it says itself; that is taken out", "info")
-        if now - self._judged < JUDGED_S:
-            return
-        came, self._babble, self._judged = bus.counts.babble - self._babble, bus.counts.babble, now
-        if came > NOTABLE_BYTES:
-            text = f"{came} bytes within {JUDGED_S:g} s belong to no packet; check the cables, and for a second sender"
-            self._tell("babble", text, "warning")
-
-    def close(self, *, release: bool) -> None:
-        """Tell the servos to hold or release them, and close the line; what still has torque then is the guard's."""
-        turning, alive = self.targets.turning, self.thread.failure is None
-        if alive and release:
-            self.targets.release("the driver ended")
-        elif alive:
-            self.targets.hold(self.poller.snapshot)
-        self.thread.join(CLOSING_S)
-        self.post.close(to_act=turning and alive and not release)
-        self.bus.close()
-
-    def _urgent(self) -> bool:
-        return self.thread.urgent()
-
-    def _turn(self, bus: B) -> float:
+    def turn(self, bus: B) -> float:
+        """Begin once, then go on with the sweep."""
         if not self._begun:
             self._begun = True
             self.link.begin(bus)
             return 0.0
         return self.poller.turn(bus)
+
+    def start_guard(self) -> Guard:
+        """Start the guard that the driver made."""
+        return self.link.guard()
+
+    def beat(self) -> None:
+        """Feed the guard; without one that would act no servo gets torque."""
+        super().beat()
+        self.targets.guarded = self.guarded
+
+    def judge(self) -> None:
+        """Report a line that babbles or echoes, now and then."""
+        self.link.judge()
+        if self.bus.echo and not self._echo:
+            self._echo = True
+            self._tell("echo", "the adapter hears what it says itself; that is taken out", "info")
+        super().judge()
+
+    def part(self, *, release: bool) -> None:
+        """Release the servos, or hold them where they were measured."""
+        if release:
+            self.targets.release("the driver ended")
+        else:
+            self.targets.hold(self.poller.snapshot)

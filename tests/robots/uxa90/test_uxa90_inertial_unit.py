@@ -47,7 +47,7 @@ def test_it_is_asked_between_servos_which_are_all_believed_meanwhile():
     assert rig.samples[-1].accel_mps2 == pytest.approx(LIES, abs=0.03)
     assert rig.samples[-1].gyro_rps is None
     assert sorted(rig.believed()) == list(IDS)
-    assert rig.bus.counts.missing == 0
+    assert rig.bus.counts.timeouts == 0
 
 
 def test_a_unit_of_another_make_is_a_matter_of_settings():

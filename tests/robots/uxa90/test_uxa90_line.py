@@ -83,7 +83,7 @@ def test_on_a_good_line_everything_is_read_and_believed(together):
     rig.run(1.5)
     assert rig.poller.sweeps_hz > (19.0 if together > 1 else 15.0)
     counts = rig.bus.counts
-    assert (counts.missing, counts.strays, counts.doubted) == (0, 0, 0)
+    assert (counts.timeouts, counts.babble, counts.doubted) == (0, 0, 0)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -118,7 +118,7 @@ def test_noise_between_questions_disturbs_only_for_a_moment():
     rig.run(1.0)
     rig.line.inject(b"\x07\x20\x33")
     rig.run(0.5)
-    assert rig.bus.counts.strays == 3
+    assert rig.bus.counts.babble == 3
     assert rig.believed() == rig.fuzzer.truth
     assert rig.bus.quiet()
 
@@ -170,18 +170,18 @@ def test_moves_are_written_whatever_the_line_does_and_their_answers_are_nobodys_
 def test_a_frame_that_comes_between_is_told_and_takes_nobodys_place():
     rig = Rig(share=0.0)
     rig.run(0.6)
-    strays = rig.bus.counts.strays
+    strays = rig.bus.counts.babble
     rig.line.inject(TAKE_CONTROL, 0.002)
     rig.run(0.3)
     assert list(rig.bus.told) == [Frame(0x10, 0, b"\x01")]
-    assert rig.bus.counts.strays == strays
+    assert rig.bus.counts.babble == strays
     assert rig.believed() == rig.fuzzer.truth
 
 
 def test_what_is_never_answered_is_given_up_and_counted():
     rig = Rig(share=0.0)
     assert rig.bus.ask(packets.ask(packets.REGISTERS["boundary"], 30), 2, 0.1) is None
-    assert rig.bus.counts.missing == 1
+    assert rig.bus.counts.timeouts == 1
 
 
 @pytest.mark.parametrize("disturbed", [False, True])

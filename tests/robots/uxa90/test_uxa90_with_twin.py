@@ -90,7 +90,7 @@ def test_all_servos_are_read_twenty_times_a_second():
     rig.sweep(2.5)
     assert rig.believed() == rig.places()
     assert rig.poller.sweeps_hz > 19.0
-    assert (rig.bus.counts.missing, rig.bus.counts.strays) == (0, 0)
+    assert (rig.bus.counts.timeouts, rig.bus.counts.babble) == (0, 0)
 
 
 def test_without_pc_control_nobody_answers_and_moves_do_nothing():
@@ -167,4 +167,4 @@ def test_the_answer_to_the_brake_is_expected_so_that_it_costs_no_position_its_be
     targets = ServoTargets(IDS, rig.poller.seen, lambda: rig.line.now, rig.line.wire_s)
     targets.brake(rig.bus)
     rig.wait(0.3)
-    assert (rig.bus.unasked, rig.bus.counts.strays, rig.bus.counts.missing) == (0, 0, 0)
+    assert (rig.bus.unasked, rig.bus.counts.babble, rig.bus.counts.timeouts) == (0, 0, 0)

@@ -14,6 +14,7 @@ from math import inf
 from random import uniform
 from typing import NamedTuple
 
+from lbr.drivers.servos.contract import Counts as LineCounts
 from lbr.drivers.wire import Wire
 from lbr.robots.uxa90.driver import frames, packets
 from lbr.robots.uxa90.driver.frames import Frame, FrameParser
@@ -48,13 +49,11 @@ class Heard(NamedTuple):
 
 
 @dataclass(slots=True)
-class Counts:
-    """Since the line was opened: answers that count, that never came, that took others with them; bytes unasked."""
+class Counts(LineCounts):
+    """Those of every line of servos, and the answers that count, and that others took with them."""
 
     replies: int = 0
-    missing: int = 0
     doubted: int = 0
-    strays: int = 0
 
 
 @dataclass(slots=True)
@@ -184,7 +183,7 @@ class Bus:
         """Take in what came unasked."""
         self._take_surplus(0.0)
         if self._owed and self._owed[0].until < self._clock():
-            self.counts.missing += self._owed.popleft().count // ANSWER_BYTES
+            self.counts.timeouts += self._owed.popleft().count // ANSWER_BYTES
             self._disturbed()
         if self._doubtful and self._clock() - self._came_at >= self.check_s:
             self.heard += self._doubtful
@@ -248,8 +247,8 @@ class Bus:
             return None
         if len(came) < count:
             self._lost_at = self._clock()
-            self.counts.missing += (count - len(came) + ANSWER_BYTES - 1) // ANSWER_BYTES
-        self.counts.strays += len(came)
+            self.counts.timeouts += (count - len(came) + ANSWER_BYTES - 1) // ANSWER_BYTES
+        self.counts.babble += len(came)
         self._disturbed()
         return None
 
@@ -283,7 +282,7 @@ class Bus:
             if not self._owed[0].count:
                 self._owed.popleft()
         if left:
-            self.counts.strays += left
+            self.counts.babble += left
             self.unasked += 1
             if self._clock() - self._lost_at < LATEST_S:
                 self._late_s = min(LATEST_S, 2.0 * self._late_s)

@@ -1,14 +1,15 @@
 """The line of a UXA-90 as a capability: what its main board adds to servos that cannot say whether they have torque."""
 
 from math import inf
+from typing import Any
 
 from lbr.capability.context import Call, Context, Device
-from lbr.drivers.servos.capability import Servos
+from lbr.drivers.servos.capability import Measured, Servos
 from lbr.drivers.servos.gate import ended, receive
 from lbr.errors import DeviceError
 from lbr.messages.codes import Reason
 from lbr.messages.leases import CommandReply
-from lbr.messages.servos import RecoverServos, ServoPhase, ServoSetpoint, ServosState, StoredPlay
+from lbr.messages.servos import RecoverServos, ServoPhase, ServoSetpoint, StoredPlay
 from lbr.robots.uxa90.driver import Uxa90Settings
 from lbr.robots.uxa90.driver.commands import Commands
 from lbr.robots.uxa90.driver.estop import EmergencyStop
@@ -35,7 +36,7 @@ class Uxa90(Servos[Uxa90Settings, Session]):
         self._plays = StoredMotions()
         self._asked: StoredPlay | None = None
         self._contact_lost = ""
-        self._estop = EmergencyStop(ctx, self._joints)
+        self._estop = EmergencyStop(ctx, self.named)
         self._commands = Commands(ctx, self._joints)
         self._passed_since = inf
         self._known = self._unheard = False
@@ -101,7 +102,7 @@ class Uxa90(Servos[Uxa90Settings, Session]):
         self._passed_since = min(self._passed_since, now)
         waited = now - self._passed_since > BLIND_S or not self.ctx.settings.sweep_hz
         self._known = self._known or (self.answers() and (poller.told_apart or waited))
-        heard = poller.heard > session.opened
+        heard = session.hears
         if heard and self._unheard:
             self._unheard = False
             self._begin_anew(session, "servos were told unheard, and answer now")
@@ -130,7 +131,7 @@ class Uxa90(Servos[Uxa90Settings, Session]):
         session = self._session
         if session is None:
             return False
-        return session.answered or session.poller.heard > session.opened or not self.ctx.settings.sweep_hz
+        return session.answered or session.hears or not self.ctx.settings.sweep_hz
 
     def lacks(self) -> Reason | None:
         """Return that the servos are still being looked for, or nothing."""
@@ -159,11 +160,9 @@ class Uxa90(Servos[Uxa90Settings, Session]):
         occupied = session is not None and session.controller.occupied
         return self.energised_phase(now) if occupied else super().phase(session, now)
 
-    def _inhibited(self) -> str:
+    def inhibited(self) -> str:
         """Say why no setpoint would be applied, or nothing."""
-        if self._gate.estop or self._gone():
-            return self._gate.reason or self._gone()
-        return "" if self._known else LOOKED_FOR
+        return super().inhibited() or ("" if self._known else LOOKED_FOR)
 
     def shown(self, session: Session, now: float) -> tuple[object, ...]:
         """Return all that is to be published at once when it changes; the main board's mode first."""
@@ -178,30 +177,27 @@ class Uxa90(Servos[Uxa90Settings, Session]):
             self._controller_at = now
             self._publish_controller(session)
 
-    def publish_state(self, session: Session | None, now: float, away: str = "") -> None:
-        """Publish one coherent look at all servos, or that the line is away."""
-        if session is None:
-            self._publish_away(now, away)
-            return
-        poller, targets, inhibited = session.poller, session.targets, self._inhibited()
-        self.ctx.publish(
-            "state",
-            ServosState(
-                sweep=poller.sweep,
-                measured_s=poller.ended if poller.sweep else now,
-                armed=not inhibited,
-                phase=self.phase(session, now),
-                servos=tuple(servo_state(targets, out, poller.seen[out.id], now) for out in targets.servos.values()),
-                reason=inhibited or self._gate.reason,
-                rests=session.rest.lasts,
-                stores=True,
-                stored=session.controller.plays.state(),
-                mode=session.controller.mode.name,
-                tells_torque=False,
-                bus=statistics(session.bus, poller),
-                **self.common_state(),
-            ),
-        )
+    def measured(self, session: Session, now: float) -> Measured:
+        """Return what is believed of all servos, and ordered."""
+        poller, targets = session.poller, session.targets
+        servos = tuple(servo_state(targets, target, poller.seen[target.id], now) for target in targets.servos.values())
+        return Measured(poller.sweep, poller.ended, servos, statistics(session.bus, poller))
+
+    def common_state(self) -> dict[str, Any]:
+        """Return the fields of a state that are there without a line, too: those of the main board among them."""
+        session = self._session
+        board = {
+            "stores": True,
+            "stored": (self._plays if session is None else session.controller.plays).state(),
+            "mode": "unknown" if session is None else session.controller.mode.name,
+            "tells_torque": False,
+        }
+        return {**super().common_state(), **board}
+
+    def degraded(self, reason: str) -> None:
+        """Tell that the line is away, and the main board with it."""
+        super().degraded(reason)
+        self.ctx.publish("controller", ControllerState(mode="unknown", reason=reason))
 
     def _publish_controller(self, session: Session) -> None:
         seen, counts, trust = session.poller.seen.values(), session.bus.counts, self.ctx.settings.trust
@@ -216,25 +212,8 @@ class Uxa90(Servos[Uxa90Settings, Session]):
                 trust=trusted == len(self._joints),
                 reason="positions are not believed by the row's setting trust" if trust == "never" else why,
                 replies=counts.replies,
-                missing=counts.missing,
+                missing=counts.timeouts,
                 implausible=sum(one.implausible for one in seen),
-                strays=counts.strays,
+                strays=counts.babble,
             ),
         )
-
-    def _publish_away(self, now: float, reason: str) -> None:
-        state = ServosState(
-            sweep=0,
-            measured_s=now,
-            armed=False,
-            phase="holding" if self._left_on else "released",
-            servos=(),
-            reason=reason,
-            stores=True,
-            stored=self._plays.state(),
-            mode="unknown",
-            tells_torque=False,
-            **self.common_state(),
-        )
-        self.ctx.publish("state", state)
-        self.ctx.publish("controller", ControllerState(mode="unknown", reason=reason))

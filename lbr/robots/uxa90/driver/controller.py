@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 
 from lbr.drivers.servos.bus_thread import STOP, WRITE, BusThread
-from lbr.drivers.servos.gate import ServoGate
+from lbr.drivers.servos.gate import ServoGate, first
 from lbr.messages.servos import ServoGoal, StoredPlay
 from lbr.robots.uxa90.driver import Uxa90Settings, frames, packets, pc_control, stored_motions
 from lbr.robots.uxa90.driver.bus import Bus
@@ -30,8 +30,7 @@ class Controller:
         self._targets = targets
         self._settings = settings
         self._clock = clock
-        self._halts = 0
-        self._followed = False
+        self._gate = first(clock())
 
     @property
     def passes(self) -> bool:
@@ -63,9 +62,8 @@ class Controller:
     def step(self, gate: ServoGate, asked: StoredPlay | None) -> None:
         """Go on, stop, or start what is asked for."""
         now = self._clock()
-        stopped = gate.halts != self._halts or (self._followed and not gate.follows) or gate.estop
-        self._halts, self._followed = gate.halts, gate.follows
-        if stopped:
+        before, self._gate = self._gate, gate
+        if gate.stopped_since(before) or gate.estop:
             self.interrupt(gate.reason or "it was stopped", gate.goals)
         self.mode = pc_control.tick(self.mode, now)
         self.plays = stored_motions.seen(self.plays, asked, self._settings.slots, follows=gate.follows)

@@ -1,13 +1,12 @@
 """The act of the emergency stop on the line, and its acknowledgement: after the servos were read to stand still."""
 
-from collections.abc import Mapping
+from collections.abc import Callable
 from math import inf
 
 from lbr.capability.context import Context
 from lbr.robots.uxa90.driver import Uxa90Settings
 from lbr.robots.uxa90.driver.session import Session
 
-NAMED = 3
 AGAIN_S = 0.3
 RELEASED = "the emergency stop let it go; switch its torque off, then on"
 
@@ -15,9 +14,9 @@ RELEASED = "the emergency stop let it go; switch its torque off, then on"
 class EmergencyStop:
     """`step` it in every round; nothing that it does is ended by releasing the stop."""
 
-    def __init__(self, ctx: Context[Uxa90Settings], joints: Mapping[int, str]) -> None:
+    def __init__(self, ctx: Context[Uxa90Settings], named: Callable[[list[int], str], str]) -> None:
         self._ctx = ctx
-        self._joints = joints
+        self._named = named
         self._engaged = False
         self._since = inf
         self._told_at = -inf
@@ -64,9 +63,6 @@ class EmergencyStop:
             return "the main board is asked to pass servo packets on"
         if self._ctx.settings.trust == "never" or not self._ctx.settings.sweep_hz:
             return "the servos were told, and nothing confirms it: the row's settings trust or sweep_hz forbid that"
-        left = [] if self._rested else session.targets.unrested(self._since)
-        self._rested = not left
-        if not left:
-            return ""
-        some = ", ".join(f"{self._joints[servo]} (servo {servo})" for servo in left[:NAMED])
-        return f"not confirmed by {some}" + (f" and {len(left) - NAMED} more" if len(left) > NAMED else "")
+        moving = [] if self._rested else session.targets.unrested(self._since)
+        self._rested = not moving
+        return self._named(moving, "not confirmed by") if moving else ""

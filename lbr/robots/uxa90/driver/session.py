@@ -7,11 +7,10 @@ from math import inf
 from lbr.capability.context import Context, Device
 from lbr.drivers.guard import Guard
 from lbr.drivers.serial_line import open_line
-from lbr.drivers.servos.bus_thread import READ, STOP, WRITE, BusThread
+from lbr.drivers.servos import session
+from lbr.drivers.servos.bus_thread import READ, STOP, WRITE
 from lbr.drivers.servos.contract import Tell
 from lbr.drivers.servos.guard import Guard as ServosGuard
-from lbr.drivers.servos.rest import Rest
-from lbr.drivers.servos.session import CLOSING_S, JUDGED_S, NOTABLE_BYTES, GuardPost
 from lbr.drivers.wire import Wire
 from lbr.messages.imu import ImuSample
 from lbr.robots.uxa90.driver import Uxa90Settings, frames
@@ -28,11 +27,14 @@ IDENTITY = ("firmware", "serial")
 RELEASE = "lbr.robots.uxa90.driver.guard_release"
 
 
-class Session:
+class Session(session.Session[Uxa90Settings, Bus]):
     """All that lives as long as the line is open. `identity` is what the main board said of itself, once it was asked.
 
     `answered`: whether it said anything at all.
     """
+
+    poller: Poller
+    targets: ServoTargets
 
     def __init__(
         self,
@@ -47,19 +49,17 @@ class Session:
         line = open_line(device, settings.baud)
         line.low_latency()
         self._line = Wire(line.fileno(), f"'{device.name}' at {line.path}", settings.baud, line=line)
-        self._ctx, self._servos, self._tell = ctx, servos, tell
-        self.post = GuardPost(ctx, self._start_guard)
-        self.bus = Bus(
+        bus = Bus(
             self._line,
             settings.reply_s,
             clock=ctx.clock,
-            stop_waits=self._stop_waits,
+            stop_waits=self.urgent,
             write_waits=self._write_waits,
             unsummed=() if settings.imu.sum else (IMU,),
         )
+        super().__init__(ctx, bus, tell)
         self.unit = InertialUnit(settings.imu, simulated=ctx.simulated)
         period_s = 1.0 / settings.sweep_hz if settings.sweep_hz else 0.0
-        self.rest = Rest(ctx.clock, settings.still_rad, settings.still_load, ctx.wake)
         self.poller = Poller(
             servos,
             ctx.clock,
@@ -71,12 +71,9 @@ class Session:
             rest=self.rest,
             rest_period_s=max(period_s, 1.0 / settings.rest_hz),
         )
-        self.thread = BusThread(self.bus, self._turn)
         seen = self.poller.seen
         self.targets = ServoTargets(servos, seen, ctx.clock, self._line.wire_s, settings.offsets, blocked)
         self.controller = Controller(self.thread, self.targets, settings, ctx.clock, known)
-        self.opened = self._judged = ctx.clock()
-        self._strays = 0
         self.answered = False
         self.identity: Mapping[str, str] = {}
         if known.busy:  # the main board does not notice that its cable was out: it may play still
@@ -120,34 +117,9 @@ class Session:
         self.thread.submit(self.targets.brake, STOP, "brake")
 
     @property
-    def guard(self) -> Guard | None:
-        """The guard, once there is one."""
-        return self.post.guard
-
-    @property
     def turning(self) -> bool:
         """Return whether any servo has torque by this driver, or the main board moves them."""
         return self.targets.turning or self.controller.plays.busy
-
-    @property
-    def failure(self) -> Exception | None:
-        """Return what ended the line's thread."""
-        return self.thread.failure
-
-    def beat(self) -> None:
-        """Feed the guard, which is there as soon as a servo was heard, or may have torque."""
-        self.post.beat(needed=self.turning or self.poller.heard > self.opened, turning=self.turning)
-
-    def judge(self) -> None:
-        """Tell of a line that babbles, now and then."""
-        now = self._ctx.clock()
-        if now - self._judged < JUDGED_S:
-            return
-        came = self.bus.counts.strays - self._strays
-        self._strays, self._judged = self.bus.counts.strays, now
-        if came > NOTABLE_BYTES:
-            text = f"{came} bytes came unasked within {JUDGED_S:g} s; check the cable, and for a second sender"
-            self._tell("babble", text, "warning")
 
     @property
     def mute(self) -> bool:
@@ -155,34 +127,30 @@ class Session:
         long = bool(self._ctx.settings.sweep_hz) and self.bus.unheard_s >= SILENT_S
         return long or self.poller.all_silent
 
-    def close(self, *, release: bool) -> None:
-        """Send the last commands, and close; what still has torque then is the guard's."""
-        turning, alive = self.turning, self.thread.failure is None
-        if alive:
-            self.controller.interrupt("the driver ended", {})
-            self.poller.reading = False
-        if alive and release and turning:
+    def part(self, *, release: bool) -> None:
+        """Release the servos; to hold they need no order."""
+        turning = self.turning
+        self.controller.interrupt("the driver ended", {})
+        self.poller.reading = False
+        if release and turning:
             self.targets.release("the driver ended")
             self.targets.open = True
             self.thread.submit(self.targets.flush_now, STOP)
-        self.thread.join(CLOSING_S)
-        self.post.close(to_act=turning and alive and not release)
-        self.bus.close()
 
-    def _start_guard(self) -> Guard:
-        settings = self._ctx.settings
-        settle_s = settings.settle_s
+    def start_guard(self) -> Guard:
+        """Start the guard, told how long the main board takes to give up control."""
+        settle_s = self._ctx.settings.settle_s
         return ServosGuard(
             RELEASE,
             self._line.fileno(),
-            settings,
-            self._servos,
+            self._ctx.settings,
+            tuple(self.targets.servos),
             self._ctx.clock,
             words=(settle_s,),
             settling_s=2.0 * settle_s,
         )
 
-    def _turn(self, bus: Bus) -> float:
+    def turn(self, bus: Bus) -> float:
         """Read on, unless the main board was given something to do just now."""
         if not self.targets.open:
             self.poller.reading = False
@@ -194,9 +162,6 @@ class Session:
     def _publish(self, sample: ImuSample | None) -> None:
         if sample is not None:
             self._ctx.publish("imu", sample)
-
-    def _stop_waits(self) -> bool:
-        return self.thread.urgent()
 
     def _write_waits(self) -> bool:
         return self.thread.waiting(WRITE)

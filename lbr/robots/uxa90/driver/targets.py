@@ -3,16 +3,17 @@
 Only `flush` and `brake` run in the line's thread: they write what is wanted at that moment.
 """
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from math import inf
 
 from lbr.drivers.servos.gate import ServoGate
+from lbr.drivers.servos.torque import Torque
 from lbr.messages.servos import ServoGoal
 from lbr.robots.uxa90.driver import packets
 from lbr.robots.uxa90.driver.bus import Bus
 from lbr.robots.uxa90.driver.packets import PACKET_BYTES, WEAKEST
 from lbr.robots.uxa90.driver.plausibility import Seen
-from lbr.robots.uxa90.driver.target_state import BRAKED, LET_GO, LIMP, TargetState
+from lbr.robots.uxa90.driver.target_state import BRAKED, LIMP, TargetState
 
 PLACE_S = 0.6
 """A position older than this is not where the servo is: twelve sweeps of the usual 20 a second. Chosen, not measured.
@@ -32,11 +33,12 @@ STILL, STILL_S = 2, 0.04
 """Counts within which a servo stands still, for this long."""
 FEW = 8
 """After a write to more servos than this the line needs a moment for itself."""
+UNPLACED = "cannot be held where it is: its place is unknown; give it a position"
 PLAYED_S = 1.0
 """The time after a motion of the main board in which servos get no goal before their places are read."""
 
 
-class ServoTargets:
+class ServoTargets(Torque[TargetState]):
     """All servos of the line."""
 
     def __init__(
@@ -48,44 +50,33 @@ class ServoTargets:
         offsets: Mapping[int, int] | None = None,
         blocked: str = "",
     ) -> None:
-        self.servos = {servo: TargetState(servo, blocked=blocked) for servo in servos}
+        super().__init__(servos, lambda servo: TargetState(servo, blocked=blocked), clock)
         self.open = False
         """True if servos can take orders now."""
         self._seen = seen
-        self._clock = clock
         self._wire_s = wire_s
         self._offsets = offsets or {}
-        self._halts = 0
-        self._followed = False
         self._first_lease: str | None = None
         self._free_at = self._played_at = -inf
         self._applied_at = clock()
 
     @property
-    def turning(self) -> bool:
-        """Return whether any servo has torque by this driver, or may have had it by the one before."""
-        return any(out.on or out.carried for out in self._all())
-
-    @property
     def unknown(self) -> bool:
         """Return whether it is unknown of any servo if it has torque."""
-        return any(not out.known for out in self._all())
+        return any(not target.known for target in self._all())
 
     @property
     def due(self) -> bool:
         """Return whether there is something to write."""
-        return self.open and any(out.want != out.said for out in self._all())
+        return self.open and any(target.want != target.said for target in self._all())
 
     def apply(self, gate: ServoGate, strength: float) -> None:
         """Do what follows from the gate's state and from where the servos are."""
         now = self._clock()
-        self._unblock(gate)
-        self._release(gate, strength)
-        if gate.halts != self._halts or (self._followed and not gate.follows):
+        if self.advance(gate, strength):
             self.freeze()
-        self._halts, self._followed = gate.halts, gate.follows
-        for out in self._all():
-            self._settle(out, now)
+        for target in self._all():
+            self._settle(target, now)
         if gate.follows:
             self._follow(gate, now)
         if strength < 1.0:
@@ -96,44 +87,51 @@ class ServoTargets:
     def freeze(self) -> None:
         """Have servos hold: their last goal, a step away from where they are, and when they rest, what they rest at."""
         now = self._clock()
-        for out in self._all():
-            if not out.on:
+        for target in self._all():
+            if not target.on:
                 continue
-            here = self.place(out.id)
-            if out.count is None:
-                out.adrift = True
-            elif now < out.weak_until and here is None:
-                self._off(out, "was stopped on its way from an unknown place; switch its torque off, then on")
+            here = self.place(target.id)
+            if target.count is None:
+                target.adrift = True
+            elif now < target.weak_until and here is None:
+                self.off([target], "was stopped on its way from an unknown place; switch its torque off, then on")
             else:
-                if here is not None and now < out.weak_until:
-                    out.count = here
-                out.rest_at = now + REST_S
-                out.said = None
-                self._aim(out, out.level)
+                if here is not None and now < target.weak_until:
+                    target.count = here
+                target.rest_at = now + REST_S
+                target.said = None
+                self._aim(target, target.level)
 
     def release(self, why: str) -> None:
         """Take the torque off every servo."""
-        for out in self._all():
-            self._off(out, why)
+        self.off(list(self._all()), why)
+
+    def off(self, targets: Sequence[TargetState], why: str) -> None:
+        """Take the torque off these servos with the next write."""
+        for target in targets:
+            target.known, target.on, target.carried, target.adrift = True, False, False, False
+            target.count, target.rest_at = None, inf
+            target.blocked = target.blocked or why
+            target.want, target.said, target.times = packets.passive(target.id), None, 0
 
     def played(self, *, limp: bool) -> None:
         """The main board has moved all servos: they have torque, and their goals are not known here; or have none."""
         self._played_at = self._clock()
-        for out in self._all():
-            out.known, out.on, out.carried, out.adrift = True, not limp, False, False
-            out.count = out.want = out.said = None
-            out.level, out.rest_at, out.weak_until, out.led = 0, inf, -inf, None
-            out.blocked = LIMP if limp else ""
+        for target in self._all():
+            target.known, target.on, target.carried, target.adrift = True, not limp, False, False
+            target.count = target.want = target.said = None
+            target.level, target.rest_at, target.weak_until, target.led = 0, inf, -inf, None
+            target.blocked = LIMP if limp else ""
 
     def loose(self, goals: Mapping[int, ServoGoal]) -> None:
         """Hold every servo that has torque where it is, as soon as that is read again; `goals` of now mean nothing
         more."""
         self._played_at = self._clock()
-        for out in self._all():
-            if out.on:
-                out.count, out.want, out.said = None, None, None
-                out.overtaken = goals[out.id].position_rad if out.id in goals else None
-                out.adrift = True
+        for target in self._all():
+            if target.on:
+                target.count, target.want, target.said = None, None, None
+                target.overtaken = goals[target.id].position_rad if target.id in goals else None
+                target.adrift = True
 
     def brake(self, bus: Bus) -> None:
         """Short all motors; in the line's thread. One servo answers for all."""
@@ -141,10 +139,10 @@ class ServoTargets:
 
     def braked(self) -> None:
         """Take in that they are to be."""
-        for out in self._all():
-            out.known, out.on, out.carried, out.adrift = True, False, False, False
-            out.count = out.want = out.said = None
-            out.blocked = BRAKED
+        for target in self._all():
+            target.known, target.on, target.carried, target.adrift = True, False, False, False
+            target.count = target.want = target.said = None
+            target.blocked = BRAKED
 
     def flush(self, bus: Bus) -> None:
         """Write what is due, if there is room; in the line's thread."""
@@ -155,15 +153,16 @@ class ServoTargets:
         """Write what is wanted and was not said yet, all at once; in the line's thread."""
         if not self.open:
             return
-        said = [(out, out.want) for out in self._all() if out.want is not None and out.want != out.said]
-        if not said:
+        now, packets_due = self._clock(), []
+        for target in self._all():
+            if target.want is not None and target.want != target.said:
+                target.said, target.told_at, target.times = target.want, now, target.times + 1
+                packets_due.append((target.id, target.want))
+        if not packets_due:
             return
-        now = self._clock()
-        for out, want in said:
-            out.said, out.told_at, out.times = want, now, out.times + 1
-        answers = bus.write([(out.id, want) for out, want in said])
-        if len(said) > FEW:
-            self._free_at = self._clock() + (self._wire_s(PACKET_BYTES * len(said)) if answers is None else bus.check_s)
+        answers, count = bus.write(packets_due), len(packets_due)
+        if count > FEW:
+            self._free_at = self._clock() + (self._wire_s(PACKET_BYTES * count) if answers is None else bus.check_s)
 
     def place(self, servo: int) -> int | None:
         """Return where a servo is believed to be."""
@@ -173,132 +172,110 @@ class ServoTargets:
 
     def moving(self, servo: int) -> bool:
         """Return whether a servo may be under way, for the judge of its position; from any thread."""
-        out = self.servos[servo]
-        return not out.on or out.count is None or self._clock() - out.told_at < MOVING_S
+        target = self.servos[servo]
+        return not target.on or target.count is None or self._clock() - target.told_at < MOVING_S
 
     def watch_rest(self) -> None:
         """Look from now on whether servos stand still."""
-        for out in self._all():
-            out.still = None
+        for target in self._all():
+            target.still = None
 
     def unrested(self, since: float) -> list[int]:
         """Return the servos that were not read to stand still since then; those known to be limp before do not
         count."""
-        return [out.id for out in self._all() if not self._rests(out, since)]
+        return [target.id for target in self._all() if not self._rests(target, since)]
 
-    def goal_rad(self, out: TargetState) -> float | None:
+    def goal_rad(self, target: TargetState) -> float | None:
         """Return the goal of a servo, radians."""
-        if out.count is None or not out.on:
+        if target.count is None or not target.on:
             return None
-        return round(packets.position_rad(out.count - self._offsets.get(out.id, 0)), 5)
+        return round(packets.position_rad(target.count - self._offsets.get(target.id, 0)), 5)
 
     def position_rad(self, servo: int, count: int) -> float:
         """Return the angle of a count that was read."""
         return round(packets.position_rad(count - self._offsets.get(servo, 0)), 5)
 
-    def _all(self) -> Iterable[TargetState]:
-        return self.servos.values()
-
-    def _rests(self, out: TargetState, since: float) -> bool:
-        seen = self._seen[out.id]
+    def _rests(self, target: TargetState, since: float) -> bool:
+        seen = self._seen[target.id]
         if not seen.trusted or seen.at <= since or seen.position is None:
             return False
-        if out.still is None or abs(out.still[0] - seen.position) > STILL:
-            out.still = (seen.position, seen.at)
-        return seen.at - out.still[1] >= STILL_S
+        if target.still is None or abs(target.still[0] - seen.position) > STILL:
+            target.still = (seen.position, seen.at)
+        return seen.at - target.still[1] >= STILL_S
 
-    def _unblock(self, gate: ServoGate) -> None:
-        if gate.seen:
-            for out in self._all():
-                if out.id not in gate.wanted:
-                    out.blocked, out.carried = "", False
+    def _aim(self, target: TargetState, level: int) -> None:
+        assert target.count is not None
+        weak = self._clock() < target.weak_until
+        target.want = packets.move(target.id, WEAKEST if weak else level, target.count)
 
-    def _release(self, gate: ServoGate, strength: float) -> None:
-        for out in self._all():
-            if (out.on or out.carried) and not strength > 0.0:
-                self._off(out, LET_GO)
-            elif out.on and gate.seen and out.id not in gate.wanted:
-                self._off(out, "")
-
-    def _off(self, out: TargetState, why: str) -> None:
-        out.known, out.on, out.carried, out.adrift = True, False, False, False
-        out.count, out.rest_at = None, inf
-        out.blocked = out.blocked or why
-        out.want, out.said, out.times = packets.passive(out.id), None, 0
-
-    def _aim(self, out: TargetState, level: int) -> None:
-        assert out.count is not None
-        weak = self._clock() < out.weak_until
-        out.want = packets.move(out.id, WEAKEST if weak else level, out.count)
-
-    def _settle(self, out: TargetState, now: float) -> None:
+    def _settle(self, target: TargetState, now: float) -> None:
         """Hold a servo where it is, if its place was unknown, or it rests away from its goal after a stop."""
-        here = self.place(out.id)
-        if here is None or not out.on:
+        here = self.place(target.id)
+        if here is None or not target.on:
             return
-        if out.adrift:
-            out.adrift, out.count = False, packets.legal(here)
-            self._aim(out, out.level)
-        elif now >= out.rest_at and out.count is not None:
-            out.rest_at = inf
-            if abs(here - out.count) > SAG:
-                out.count = packets.legal(here)
-                self._aim(out, out.level)
+        if target.adrift:
+            target.adrift, target.count = False, packets.legal(here)
+            self._aim(target, target.level)
+        elif now >= target.rest_at and target.count is not None:
+            target.rest_at = inf
+            if abs(here - target.count) > SAG:
+                target.count = packets.legal(here)
+                self._aim(target, target.level)
 
     def _follow(self, gate: ServoGate, now: float) -> None:
         first = self._first_lease is None
         if first:
             self._first_lease = gate.lease
         for servo, goal in gate.goals.items():
-            out = self.servos.get(servo)
-            if out is None or not goal.torque > 0.0 or out.blocked:
+            target = self.servos.get(servo)
+            if target is None or not goal.torque > 0.0 or target.blocked:
                 continue
-            if first and not out.known:
-                out.carried = True
-            if out.carried and gate.lease not in ("", self._first_lease):
-                out.carried = False
-            self._follow_one(out, goal, now)
+            if first and not target.known:
+                target.carried = True
+            if target.carried and gate.lease not in ("", self._first_lease):
+                target.carried = False
+            self._follow_one(target, goal, now)
 
-    def _follow_one(self, out: TargetState, goal: ServoGoal, now: float) -> None:
-        here = self.place(out.id)
-        if goal.position_rad != out.overtaken:
-            out.overtaken = None
-        if out.carried or goal.position_rad is None or out.overtaken is not None:
-            count = out.count if out.on and not out.adrift else None
+    def _follow_one(self, target: TargetState, goal: ServoGoal, now: float) -> None:
+        here = self.place(target.id)
+        if goal.position_rad != target.overtaken:
+            target.overtaken = None
+        if target.carried or goal.position_rad is None or target.overtaken is not None:
+            count = target.count if target.on and not target.adrift else None
             count = here if count is None else count
             if count is None:
-                out.trouble = "" if out.on else "cannot be held where it is: its place is unknown; give it a position"
+                target.trouble = "" if target.on else UNPLACED
                 return
         else:
-            count = packets.position_count(goal.position_rad) + self._offsets.get(out.id, 0)
+            count = packets.position_count(goal.position_rad) + self._offsets.get(target.id, 0)
         count = packets.legal(count)
-        if out.on and out.count is None and here is None and now - self._played_at < PLAYED_S:
-            out.led = goal.position_rad if out.led is None else out.led
+        if target.on and target.count is None and here is None and now - self._played_at < PLAYED_S:
+            target.led = goal.position_rad if target.led is None else target.led
             return
-        if not out.leads(goal, count, here, now - self._applied_at):
-            out.weak_until = now + WEAK_S
-        elif not out.on:
-            out.weak_until = -inf
-        if out.count != count:
-            out.rest_at = inf
-        out.known, out.on, out.adrift, out.trouble = True, True, False, ""
-        out.count, out.level = count, packets.torque_level(goal.torque)
-        self._aim(out, out.level)
+        if not target.leads(goal, count, here, now - self._applied_at):
+            target.weak_until = now + WEAK_S
+        elif not target.on:
+            target.weak_until = -inf
+        if target.count != count:
+            target.rest_at = inf
+        target.known, target.on, target.adrift, target.trouble = True, True, False, ""
+        target.count, target.level = count, packets.torque_level(goal.torque)
+        self._aim(target, target.level)
 
     def _fade(self, strength: float) -> None:
-        for out in self._all():
-            if out.on and out.count is not None:
-                self._aim(out, min(WEAKEST, out.level + round((1.0 - strength) * (WEAKEST + 1 - out.level))))
+        for target in self._all():
+            if target.on and target.count is not None:
+                self._aim(target, min(WEAKEST, target.level + round((1.0 - strength) * (WEAKEST + 1 - target.level))))
 
     def _repeat(self, now: float) -> None:
         """Say again what may not have been heard: a goal that a servo is away from, or to release it."""
-        for out in self._all():
-            if out.want is None or out.want != out.said:
+        for target in self._all():
+            if target.want is None or target.want != target.said:
                 continue
-            if not out.on:
-                if out.times < OFF_TIMES and now - out.told_at >= OFF_AGAIN_S:
-                    out.said = None
-            elif out.count is not None and now - out.told_at >= AGAIN_S:
-                here = self.place(out.id)
-                if here is not None and abs(here - out.count) > SAG:
-                    out.said = None
+            if not target.on:
+                if target.times < OFF_TIMES and now - target.told_at >= OFF_AGAIN_S:
+                    target.said = None
+            elif target.count is not None and now - target.told_at >= AGAIN_S:
+                here = self.place(target.id)
+                if here is not None and abs(here - target.count) > SAG:
+                    target.said = None

@@ -12,21 +12,21 @@ from lbr.robots.uxa90.driver.targets import ServoTargets
 MEASURED_S = 0.6
 
 
-def servo_state(targets: ServoTargets, out: TargetState, seen: Seen, now: float) -> ServoState:
+def servo_state(targets: ServoTargets, target: TargetState, seen: Seen, now: float) -> ServoState:
     """Return one servo: what is not believed, or too old, is not measured."""
     age_s = now - seen.at
     believed = seen.trusted and age_s < MEASURED_S and seen.position is not None and seen.load is not None
     heard = now - seen.raw_at < MEASURED_S
     return ServoState(
-        id=out.id,
-        position_rad=targets.position_rad(out.id, seen.position) if believed and seen.position is not None else None,
+        id=target.id,
+        position_rad=targets.position_rad(target.id, seen.position) if believed and seen.position is not None else None,
         load=round(seen.load / (HEAD - 1), 4) if believed and seen.load is not None else None,
-        goal_rad=targets.goal_rad(out),
-        torque=_torque(out),
+        goal_rad=targets.goal_rad(target),
+        torque=_torque(target),
         raw=(seen.position if believed else seen.raw) if believed or heard else None,
         trusted=True if believed else False if heard else None,
         age_s=measured_age(age_s),
-        reason=seen.reason or out.trouble or out.blocked,
+        reason=seen.reason or target.trouble or target.blocked,
     )
 
 
@@ -36,13 +36,13 @@ def statistics(bus: Bus, poller: Poller) -> BusStatistics:
         sweeps_hz=round(poller.sweeps_hz, 1),
         states_hz=round(poller.states_hz, 1),
         sweep_ms=round(poller.sweep_s * 1000.0, 2),
-        timeouts=bus.counts.missing,
+        timeouts=bus.counts.timeouts,
         corrupt=sum(seen.implausible for seen in poller.seen.values()),
-        strays=bus.counts.strays,
+        strays=bus.counts.babble,
     )
 
 
-def _torque(out: TargetState) -> float | None:
-    if not out.known:
+def _torque(target: TargetState) -> float | None:
+    if not target.known:
         return None
-    return level_torque(out.level) if out.on else 0.0
+    return level_torque(target.level) if target.on else 0.0
