@@ -32,7 +32,7 @@ class Capability(Generic[S]):
 
     @property
     def device_row(self) -> Device:
-        """Return the device row that the settings name; raise a DeviceError that says which is missing."""
+        """Return the device row that the settings name; raise a DeviceError that names a missing one."""
         if self.ctx.device is None:
             name = getattr(self.ctx.settings, "device", "")
             raise DeviceError(f"'{self.ctx.name}' has no device row '{name}'; add it")

@@ -35,7 +35,7 @@ class PolledLine(Protocol):
 
 
 class Heard(Protocol):
-    """The poller, as far as every session needs it; `heard` is when any servo was heard last."""
+    """The poller, as far as every session needs it; `heard` is the time of the last answer of any servo."""
 
     heard: float
 
@@ -93,7 +93,7 @@ class Session(ABC, Generic[S, L]):
         return self.thread.urgent()
 
     def beat(self) -> None:
-        """Feed the guard, which is there as soon as a servo was heard, or may have torque."""
+        """Feed the guard, which is there as soon as a servo answers, or may have torque."""
         turning = self.turning
         if self.guard is None and self._ctx.settings.guard and (turning or self.hears):
             try:

@@ -126,7 +126,7 @@ class ServoTargets(Torque[TargetState], Generic[B]):
         target.blocked = "was recovered; switch its torque off, then on"
 
     def _read_back(self, target: TargetState, seen: Seen, gate: ServoGate) -> bool:
-        """Compare with what the servo says; True if it has torque that it was not given here."""
+        """Compare with the servo's report; True if it has torque that it was not given here."""
         self._switched(target)
         slow = seen.slow
         if slow is None or slow.at <= target.settled or target.switching is not None:
@@ -286,7 +286,7 @@ class ServoTargets(Torque[TargetState], Generic[B]):
         key: object = None,
         stirs: bool = True,
     ) -> "Future[None] | None":
-        """Have servos told their goals, or else their torque, and note when that was on the wire."""
+        """Send servos their goals, or else their torque, and note when that was on the wire."""
         if not servos:
             return None
         targets = [self.servos[servo] for servo in servos]
@@ -325,7 +325,7 @@ def _switching(servo: int, speed: int, limit: int) -> "Callable[[ServoBus], int 
 
 
 def _confirms(target: TargetState, seen: Seen, *, released: bool) -> bool:
-    """Return whether a servo was read, since it was told, to hold its goal; or to be without torque if `released`."""
+    """Return whether a servo was read, since its last order, to hold its goal; or to be without torque if `released`."""
     slow = seen.slow
     if slow is None or slow.at <= max(target.settled, target.aimed) or seen.reason or target.switching is not None:
         return False

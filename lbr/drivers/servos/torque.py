@@ -11,7 +11,7 @@ from lbr.drivers.servos.gate import ServoGate, first
 
 FOUND_S = 0.5
 """The time that a servo that was found with torque keeps it until its mover knows of it: a few rounds of state and
-setpoint, so that a servo heard late after a restart keeps its torque. Chosen, not measured."""
+setpoint, so that a late servo keeps its torque after a restart. Chosen, not measured."""
 RELEASED = "was released; switch its torque off, then on"
 
 
@@ -19,8 +19,8 @@ RELEASED = "was released; switch its torque off, then on"
 class Target:
     """The order for one servo. `known`: whether it is known if it has torque (`on`).
 
-    `blocked` says why it gets no torque before a setpoint had it without. `adrift`: it is to be held where it is as
-    soon as that is measured. `found_at`: when it was first heard, with torque that its mover may not know of yet.
+    `blocked`: why it gets no torque before a setpoint had it without. `adrift`: it is to be held where it is as
+    soon as that is measured. `found_at`: the time of its first answer, with torque that its mover may not know of yet.
     """
 
     id: int
