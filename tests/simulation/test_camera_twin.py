@@ -222,6 +222,28 @@ def test_a_thing_to_the_left_is_on_the_left_and_the_sky_above(use_gl):
     assert not like(shown.getpixel((120, 110)), SKY)
 
 
+def test_the_renderer_is_given_back_a_minute_after_the_last_look_and_begun_again_by_the_next():
+    engine = Engine(WorldSettings(walls=(), dock=None))
+    view = SharedView(len(engine.view()))
+    view.write(engine.view(), 7)
+    studio = Studio(unpacked(engine.packed()), view, use_gl=True)
+    studio.newest_ns()
+    first = studio.picture("camera", "front", (160, 120), SOUND)
+    held = []
+    for now, watched in ((0.0, True), (59.0, True), (118.0, False), (119.0, False)):
+        studio.rest(now, watched=watched)
+        held.append(studio.holds_renderer)
+    assert held == [True, True, True, False]
+    assert studio.picture("camera", "front", (160, 120), SOUND) == first, "nothing has moved"
+    assert not studio.holds_renderer
+    rear = studio.picture("camera", "rear", (160, 120), SOUND)
+    studio.rest(500.0, watched=False)
+    assert studio.holds_renderer
+    assert picture(rear).size == (160, 120)
+    studio.close()
+    view.close()
+
+
 def test_without_pillow_it_says_what_to_install(monkeypatch):
     def missing(name):
         raise ImportError(f"No module named '{name}'")

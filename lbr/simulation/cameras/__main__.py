@@ -11,7 +11,7 @@ import msgspec
 
 from lbr.errors import LbrError
 from lbr.simulation.cameras.orders import LONGEST_BYTES, Begin, Drawing, Order, SetFaults, Watch
-from lbr.simulation.cameras.studio import Studio
+from lbr.simulation.cameras.studio import REST_S, Studio
 from lbr.simulation.cameras.view import SharedView
 from lbr.simulation.cameras.viewer import Viewer
 from lbr.simulation.devices.camera import CameraFaults
@@ -53,7 +53,8 @@ class Cameras:
 
     def _round(self, studio: Studio) -> bool:
         due = min((viewer.due for viewer in self._viewers if viewer.due is not None), default=None)
-        wait_s = None if due is None else max(0.0, due - time.monotonic())
+        longest_s = REST_S if studio.holds_renderer else None
+        wait_s = longest_s if due is None else max(0.0, due - time.monotonic())
         for key, events in self._selector.select(wait_s):
             if key.fileobj is self._control:
                 if not self._obey(*self._receive()):
@@ -66,6 +67,7 @@ class Cameras:
                 self._serve(viewer, studio, now)
         for viewer in [viewer for viewer in self._viewers if viewer.closed]:
             self._end(viewer)
+        studio.rest(now, watched=any(viewer.looks for viewer in self._viewers))
         return True
 
     def _receive(self) -> tuple[Order | None, list[int]]:

@@ -1,8 +1,10 @@
 """The drawing of pictures: what the world looked like a moment ago, as a device with its faults shows it."""
 
+import ctypes
 import importlib
 import io
 import os
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -13,6 +15,8 @@ from lbr.simulation.cameras.view import SharedView, show
 from lbr.simulation.devices.camera import CameraFaults
 from lbr.simulation.physics import mujoco
 
+REST_S = 60.0
+"""The renderer is given back after this long without a picture of it."""
 _QUALITY = 75
 _GARBAGE_BYTES = 2000
 
@@ -33,12 +37,15 @@ class Studio:
         self._shown = b""
         self._drawn: dict[tuple[str, tuple[int, int]], bytes] = {}
         self._frozen: dict[str, bytes] = {}
-        self._renderer = self._chosen(use_gl=use_gl)
+        self._use_gl = use_gl
+        self._used_s: float | None = None
+        self._renderer: Renderer | None = self._chosen()
+        self.renderer = self._renderer.name
 
     @property
-    def renderer(self) -> str:
-        """Return what draws."""
-        return self._renderer.name
+    def holds_renderer(self) -> bool:
+        """Return whether there is something to give back."""
+        return self._renderer is not None
 
     def newest_ns(self) -> int:
         """Bring everything where it is now, and return when that was."""
@@ -67,15 +74,33 @@ class Studio:
     def _seen(self, mount: str, size: tuple[int, int]) -> bytes:
         """Return what is seen from a mount; while nothing has moved it is drawn once."""
         if (mount, size) not in self._drawn:
-            self._drawn[mount, size] = self._jpeg(self._renderer.draw(mount, *size), size)
+            self._drawn[mount, size] = self._jpeg(self._image(mount, size), size)
+            self._used_s = None
         return self._drawn[mount, size]
+
+    def _image(self, mount: str, size: tuple[int, int]) -> Image:
+        if self._renderer is None:
+            self._renderer = self._chosen()
+        return self._renderer.draw(mount, *size)
+
+    def rest(self, now: float, *, watched: bool) -> None:
+        """Give the renderer back once nothing was drawn and nobody has looked for a minute; the next picture begins it
+        again."""
+        if watched or self._used_s is None:
+            self._used_s = now
+        elif now - self._used_s >= REST_S:
+            self.close()
 
     def close(self) -> None:
         """Close the renderer."""
-        self._renderer.close()
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+            with suppress(AttributeError):  # a C library that is not glibc
+                ctypes.CDLL(None).malloc_trim(0)
 
-    def _chosen(self, *, use_gl: bool) -> Renderer:
-        if use_gl:
+    def _chosen(self) -> Renderer:
+        if self._use_gl:
             try:
                 return GlRenderer(mujoco, self._model, self._data)
             except (LbrError, mujoco.FatalError) as err:

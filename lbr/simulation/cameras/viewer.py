@@ -15,6 +15,7 @@ from lbr.simulation.cameras.renderers import LARGEST_PX
 _RECORD = struct.Struct("<IQ")
 _READ_BYTES = 4096
 _LONGEST_LINE = 4096
+_RESTING_PERIOD_S = 0.5
 
 
 class Wanted(Struct, frozen=True):
@@ -55,6 +56,11 @@ class Viewer:
             line, _, rest = self._inbox.partition(b"\n")
             self._inbox = rest
             self._obey(bytes(line), now)
+
+    @property
+    def looks(self) -> bool:
+        """Return whether it wants more than the pictures of a driver whose camera rests."""
+        return self.due is not None and self.period_s < _RESTING_PERIOD_S
 
     def busy(self) -> bool:
         """Return whether it has not read the last picture yet."""
