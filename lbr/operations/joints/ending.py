@@ -3,8 +3,7 @@
 from msgspec.structs import replace
 
 from lbr.leases import ending
-from lbr.leases.lease import Ended, Happened, LeaseTable, Result, Stop
-from lbr.messages.drive import GoalResult
+from lbr.leases.lease import Ended, Happened, LeaseTable, Stop
 from lbr.operations.joints import feet, moving, stored
 from lbr.operations.joints.move import Move
 from lbr.operations.joints.state import Outputs, State, servos_trouble
@@ -51,7 +50,8 @@ def take(state: State, decided: Decided, now: float, stop: Stop | None = None, *
             outputs = (*outputs, *setpoint(state))
         if each.held and not _unremarkable(each):
             outputs = (*outputs, ending.happened(each))
-        outputs = (*outputs, _result(each, now))
+        move = each.lease.motion
+        outputs = (*outputs, ending.result(each, move.goal, move.begun, now))
     return replace(state, leases=held), outputs
 
 
@@ -81,20 +81,3 @@ def _let_be(state: State, ended: Ended[Move], now: float, stop: Stop | None, *, 
     else:
         frozen = moving.freeze(state)
     return replace(frozen, leases=replace(state.leases, live=None), lost=lost)
-
-
-def _result(ended: Ended[Move], now: float) -> Result:
-    move = ended.lease.motion
-    elapsed_s = round(max(0.0, now - move.begun), 3)
-    why = ended.why
-    return Result(
-        message=GoalResult(
-            goal=move.goal,
-            result=ended.how,
-            reason=why.text,
-            code=why.code,
-            cause=why.cause,
-            note=why.note,
-            elapsed_s=elapsed_s,
-        )
-    )

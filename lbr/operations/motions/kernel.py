@@ -7,7 +7,7 @@ from msgspec.structs import replace
 from lbr.leases import decide as leasing
 from lbr.leases import ending, rules
 from lbr.leases.ask import Ask, resolve
-from lbr.leases.lease import Ended, Ending, EstopChanged, Happened, Lease, Result, Stop
+from lbr.leases.lease import Ended, Ending, EstopChanged, Happened, Lease, Stop
 from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import MAX_FRAMES
@@ -272,15 +272,16 @@ def _told(state: State, said: ending.Said[Playing], now: float, *, goes_on: bool
 
 def _ended(ended: Ended[Playing], now: float, *, goes_on: bool) -> Outputs:
     playing = ended.lease.motion
+    result = ending.result(ended, playing.goal, playing.started, now)
     if not ended.held:
-        return (_result(ended, now),)
+        return (result,)
     halt = Halt(why=ended.why.text, lost=ended.how == "lapsed", at_once=ended.why.code == "fallen")
     joints: Outputs = (Abandon(),) if ended.how == "reached" or playing.lost else (halt,)
     joints = () if goes_on else joints
     if playing.asked:
         return (*joints, Answer(message=refused(ended.why)))
     kind = "played" if ended.how == "reached" else ended.how
-    return (*joints, _result(ended, now), ending.happened(ended, kind))
+    return (*joints, result, ending.happened(ended, kind))
 
 
 def _halted(outputs: Outputs, event: Stop) -> Outputs:
@@ -289,22 +290,6 @@ def _halted(outputs: Outputs, event: Stop) -> Outputs:
     halts = tuple(replace(one, by=by) if isinstance(one, Halt) else one for one in outputs)
     told = any(isinstance(one, Halt | Abandon) for one in halts)
     return halts if told or event.lost else (Halt(why=f"stopped by {by}", by=by), *halts)
-
-
-def _result(ended: Ended[Playing], now: float) -> Result:
-    playing = ended.lease.motion
-    elapsed_s = max(0.0, now - playing.started)
-    why = ended.why
-    message = GoalResult(
-        goal=playing.goal,
-        result=ended.how,
-        reason=why.text,
-        code=why.code,
-        cause=why.cause,
-        note=why.note,
-        elapsed_s=round(elapsed_s, 3),
-    )
-    return Result(message=message)
 
 
 def _with(state: State, playing: Playing, *, expires: float | None = None) -> State:

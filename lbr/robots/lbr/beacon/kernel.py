@@ -9,7 +9,6 @@ from lbr.leases import decide as leasing
 from lbr.leases import ending, rules
 from lbr.leases.ask import resolve
 from lbr.leases.lease import (
-    Ended,
     Ending,
     EstopChanged,
     Happened,
@@ -24,7 +23,6 @@ from lbr.leases.lease import (
 )
 from lbr.messages.beacon import Manoeuvre
 from lbr.messages.codes import Reason
-from lbr.messages.drive import GoalResult
 
 PHRASING = Phrasing(
     noun="the search for the dock", rest="stop, or pause, before going on", idle="nothing was looked for yet"
@@ -156,19 +154,6 @@ def _ended(state: State, ends: ending.Said[Seeking], now: float, *, by: str = ""
         if ended.held:
             state = replace(state, why=ended.why)
             outputs += (Halt(why=ended.why.text, lost=ended.how == "lapsed", by=by),)
-        outputs += (_result(ended, now),)
+        seeking = ended.lease.motion
+        outputs += (ending.result(ended, seeking.goal, seeking.started, now),)
     return state, outputs
-
-
-def _result(ended: Ended[Seeking], now: float) -> Result:
-    why, seeking = ended.why, ended.lease.motion
-    message = GoalResult(
-        goal=seeking.goal,
-        result=ended.how,
-        reason=why.text,
-        code=why.code,
-        cause=why.cause,
-        note=why.note,
-        elapsed_s=round(max(0.0, now - seeking.started), 3),
-    )
-    return Result(message=message)
