@@ -3,6 +3,7 @@
 from math import isfinite, nan
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from lbr.messages.attitude import AttitudeState
 from lbr.operations.drive.settings import DriveSettings
@@ -67,23 +68,11 @@ def _after(before: HeadingView, found: HeadingView, settings: DriveSettings) -> 
     way_deg = found.turned_deg - before.turned_deg
     most_deg = JUMP_DEG + JUMP_SHARE * settings.max_turn_dps * elapsed_s
     if not abs(way_deg) <= most_deg:
-        return _with(found, trouble=f"the attitude jumped by {way_deg:.0f} degrees within {elapsed_s:.2f} s")
+        return replace(found, trouble=f"the attitude jumped by {way_deg:.0f} degrees within {elapsed_s:.2f} s")
     fastest_dps = JUMP_SHARE * settings.max_turn_dps
     newest_dps = max(-fastest_dps, min(fastest_dps, way_deg / elapsed_s))
     rate_dps = before.rate_dps + (newest_dps - before.rate_dps) * SMOOTHING
-    return _with(found, rate_dps=rate_dps)
-
-
-def _with(found: HeadingView, *, trouble: str = "", rate_dps: float = 0.0) -> HeadingView:
-    return HeadingView(
-        trouble=trouble,
-        epoch=found.epoch,
-        turned_deg=found.turned_deg,
-        rate_dps=rate_dps,
-        heading_deg=found.heading_deg,
-        heading_reason=found.heading_reason,
-        seen=found.seen,
-    )
+    return replace(found, rate_dps=rate_dps)
 
 
 def _trouble(attitude: AttitudeState, turned_deg: float, seen: float) -> str:

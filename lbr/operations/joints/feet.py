@@ -14,8 +14,8 @@ from lbr.messages.joints import KeyFrame
 from lbr.messages.leases import CommandReply
 from lbr.operations.joints import trajectory
 from lbr.operations.joints.move import Move, ToFeet
-from lbr.operations.joints.moving import freeze
-from lbr.operations.joints.state import State, age_s, joint_trouble, position_rad, servos_trouble, waits
+from lbr.operations.joints.moving import LONGEST_STEP_S, fault, freeze
+from lbr.operations.joints.state import State, age_s, position_rad, servos_trouble, waits
 from lbr.operations.joints.trajectory import Trajectory
 
 LONGEST_S = 0.8
@@ -26,7 +26,6 @@ SMOOTHEST = 1.5
 """The time of a smooth way by that of a straight one at the same greatest speed."""
 AGAIN_S = 0.1
 """One stop comes by several ways within this time, all of them sent at once; people do not press so fast twice."""
-LONGEST_STEP_S = 0.05
 FOLLOWED_S = 0.3
 MEASURED_S = 0.3
 
@@ -46,7 +45,7 @@ def begin(state: State, move: Move, lease: str, stop: Stop | None, now: float, *
         held = replace(state, goals=goals, halt=state.halt + 1, ticked=now)  # this has the driver break it off
         return replace(held, feet=replace(feet, pose=pose, names=tuple(pose)), lost=False)
     way = _way_on(state, move)
-    if way is None or any(_trouble(state, name, now) for name in way.knots):
+    if way is None or any(fault(state, name, now) for name in way.knots):
         return None
     left = tuple(name for name in move.joints if name not in way.knots)
     here = freeze(state).goals if left else {}
@@ -180,9 +179,4 @@ def _ends(state: State, feet: ToFeet, now: float) -> Reason | None:
     silent = servos is not None and servos.phase != "following" and not waits(state)
     if silent and (feet.followed or now - feet.begun > FOLLOWED_S):
         return Reason("not_followed", "the servos do not follow")
-    return next((why for name in feet.trajectory.knots if (why := _trouble(state, name, now))), None)
-
-
-def _trouble(state: State, name: str, now: float) -> Reason | None:
-    limp = None if name in state.on else Reason("no_torque", f"{name} has no torque any more")
-    return joint_trouble(state, name, now) or limp
+    return next((why for name in feet.trajectory.knots if (why := fault(state, name, now))), None)

@@ -39,10 +39,16 @@ def ending(state: State, trouble: Reason | None, now: float) -> tuple[Ending, Re
         return None
     if move.stored is not None:
         return ("fault", trouble) if trouble else stored.ending(state, move.stored, now)
-    why = trouble or next((why for name in move.joints if (why := _fault(state, name, now))), None)
+    why = trouble or next((why for name in move.joints if (why := fault(state, name, now))), None)
     if why or (why := _not_followed(state, move, now)):
         return "fault", why
     return _arrival(state, move, now) if move.over and not move.stay else None
+
+
+def fault(state: State, name: str, now: float) -> Reason | None:
+    """Return why a joint would not follow, or that it has no torque any more; or nothing."""
+    limp = None if name in state.on else Reason("no_torque", f"{name} has no torque any more")
+    return joint_trouble(state, name, now) or limp
 
 
 def followed(state: State) -> State:
@@ -110,11 +116,6 @@ def interrupted(state: State) -> State:
     """Return the state in which the controller's motion is broken off, where there is one, because another sender takes
     over."""
     return freeze(state) if state.move is not None and state.move.stored is not None else state
-
-
-def _fault(state: State, name: str, now: float) -> Reason | None:
-    limp = None if name in state.on else Reason("no_torque", f"{name} has no torque any more")
-    return joint_trouble(state, name, now) or limp
 
 
 def _not_followed(state: State, move: Move, now: float) -> Reason | None:

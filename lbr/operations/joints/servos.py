@@ -8,7 +8,7 @@ from lbr.leases.lease import Happened
 from lbr.messages.servos import ServoState
 from lbr.operations.joints import moving, stored
 from lbr.operations.joints.ending import Decision, end_what_is_over
-from lbr.operations.joints.state import Outputs, ServosLost, ServosSeen, State, joint_trouble, waits
+from lbr.operations.joints.state import Outputs, ServosLost, ServosSeen, State, joint_trouble, waits, without
 
 UNREAD_S = 3.0
 """A driver that has not said by then whether a servo has torque never does."""
@@ -101,9 +101,7 @@ def _note_released(state: State, now: float) -> State:
 
 
 def _off(state: State, names: frozenset[str], now: float) -> State:
-    goals = {name: goal for name, goal in state.goals.items() if name not in names}
-    strength = {name: one for name, one in state.strength.items() if name not in names}
-    return replace(state, on=state.on - names, goals=goals, strength=strength, resting=names, released_at=now)
+    return replace(without(state, names), resting=names, released_at=now)
 
 
 def _without_torque(state: State, now: float) -> Decision:

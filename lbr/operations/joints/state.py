@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from math import inf, nan
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from lbr.leases.lease import (
     EstopChanged,
@@ -146,6 +147,13 @@ def first_state(settings: JointsSettings, body: Body, began: float = -inf) -> St
     """Return the state of joints that were not moved since it `began`."""
     ahead_s = LAPSE_AHEAD_ROUNDS / settings.rate_hz
     return State(settings=settings, body=body, leases=first(PHRASING, settings.ttl_s, ahead_s, began=began))
+
+
+def without(state: State, names: frozenset[str]) -> State:
+    """Return the state in which these joints have no torque."""
+    goals = {name: goal for name, goal in state.goals.items() if name not in names}
+    strength = {name: share for name, share in state.strength.items() if name not in names}
+    return replace(state, on=state.on - names, goals=goals, strength=strength)
 
 
 def position_rad(state: State, name: str) -> float | None:

@@ -10,7 +10,7 @@ from lbr.messages.codes import Reason
 from lbr.messages.leases import CommandReply, refused
 from lbr.operations.joints import moving, stored
 from lbr.operations.joints.ending import Decision, end_what_is_over, setpoint
-from lbr.operations.joints.state import NOT_ADOPTED, State, Torque, joint_trouble, position_rad, servos_trouble
+from lbr.operations.joints.state import NOT_ADOPTED, State, Torque, joint_trouble, position_rad, servos_trouble, without
 
 MOST_TOLD = 3
 
@@ -33,23 +33,17 @@ def _on(state: State, event: Torque, names: tuple[str, ...], now: float) -> Deci
         return state, (Reply(message=refused(Reason(first.code, told + more))),)
     state = moving.held_again(state)
     new = fit - state.on
-    goals = {**state.goals, **{name: moving.measured(state, name) for name in new}}
-    strength = {name: one for name, one in state.strength.items() if name not in fit}
-    unread = state.unread - fit
-    state = replace(state, on=state.on | fit, goals=goals, strength=strength, unread=unread, switched=now)
+    strength = {name: share for name, share in state.strength.items() if name not in fit}
+    state = replace(_held(state, fit, now), strength=strength)
     outputs = (*setpoint(state), *_told(state, event.source, new, on=True), _reply(told + more, *troubles.values()))
     return state, outputs
 
 
 def _off(state: State, event: Torque, names: tuple[str, ...], now: float) -> Decision:
-    gone = state.on & frozenset(names)
-    left = state.on - gone
-    goals = {name: goal for name, goal in state.goals.items() if name in left}
-    strength = {name: one for name, one in state.strength.items() if name in left}
-    unread = state.unread - frozenset(names)
-    state = replace(state, on=left, goals=goals, strength=strength, unread=unread, lost=False)
+    released = state.on & frozenset(names)
+    state = replace(without(state, released), unread=state.unread - frozenset(names), lost=False)
     state, ended = end_what_is_over(state, now)
-    return state, (*setpoint(state), *ended, *_told(state, event.source, gone, on=False), _reply())
+    return state, (*setpoint(state), *ended, *_told(state, event.source, released, on=False), _reply())
 
 
 def strengthen(state: State, source: str, strengths: Mapping[str, float], now: float) -> Decision:
@@ -58,9 +52,7 @@ def strengthen(state: State, source: str, strengths: Mapping[str, float], now: f
     strengths = {**state.strength, **strengths}
     if not new:
         return replace(state, strength=strengths), ()
-    goals = {**state.goals, **{name: moving.measured(state, name) for name in new}}
-    unread = state.unread - new
-    state = replace(state, on=state.on | new, goals=goals, strength=strengths, unread=unread, switched=now)
+    state = replace(_held(state, new, now), strength=strengths)
     return state, _told(state, source, new, on=True)
 
 
@@ -74,6 +66,12 @@ def not_to_be_held(state: State, name: str, now: float) -> Reason | None:
         return None
     limits = f"{joint.lower_rad:g} to {joint.upper_rad:g} rad"
     return Reason("limit", f"{name} is at {here:.2f} rad, outside its limits ({limits}): bring it there by hand first")
+
+
+def _held(state: State, names: frozenset[str], now: float) -> State:
+    """Return the state in which these joints have torque; those that had none are held where they are."""
+    goals = {**state.goals, **{name: moving.measured(state, name) for name in names - state.on}}
+    return replace(state, on=state.on | names, goals=goals, unread=state.unread - names, switched=now)
 
 
 def _refusal(state: State, event: Torque, now: float) -> Reason | None:
