@@ -11,7 +11,7 @@ from concurrent import futures
 from typing import IO
 
 from lbr.console.lease_keeper import Ending, LeaseKeeper
-from lbr.console.operator import Operator
+from lbr.console.operator import BusOperator
 from lbr.console.stops import is_stop
 from lbr.errors import BusError, InputError, LbrError
 from lbr.messages.plain import one_line
@@ -48,7 +48,7 @@ class Lines:
     one that was written before another stopped the robot.
     """
 
-    def __init__(self, operator: Operator, out: IO[str], err: IO[str], *, hold_s: float | None = None) -> None:
+    def __init__(self, operator: BusOperator, out: IO[str], err: IO[str], *, hold_s: float | None = None) -> None:
         self._operator = operator
         self._out = out
         self._err = err
@@ -195,7 +195,7 @@ Announce = Callable[[ConsoleResult], None]
 
 
 def say_once(
-    operator: Operator, line: str, *, hold_s: float, announce: Announce, beat: Callable[[], None] | None = None
+    operator: BusOperator, line: str, *, hold_s: float, announce: Announce, beat: Callable[[], None] | None = None
 ) -> tuple[ConsoleResult, int, Ending | None]:
     """Say one line and see its motion to the end; return its result, the exit code, and how a motion ended.
 

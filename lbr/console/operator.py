@@ -4,7 +4,7 @@ import contextlib
 import threading
 import time
 from collections.abc import Callable
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, TypeVar
 
 from msgspec import Struct
 
@@ -50,43 +50,6 @@ class Telemetry(Struct, frozen=True, kw_only=True):
     power: PowerState | None = None
 
 
-class Operator(Protocol):
-    """The part of a robot that a front end needs. `submit` may be called by several threads at once.
-
-    A motion goes on only while the thread that would take a stop beats at `ear`, ten times a second.
-    """
-
-    robot: str
-    ear: Ear
-
-    def submit(self, line: str, waited_s: float = 0.0) -> ConsoleResult:
-        """Say a line, hold the motion that it starts, and return its result; InputError and BusError say why not.
-
-        It was typed or written `waited_s` ago: what another stopped since then it does not move.
-        """
-
-    def words(self) -> list[dict[str, Any]]:
-        """Return what can be said, for completion; empty if the robot does not answer."""
-
-    def telemetry(self) -> Telemetry:
-        """Return the latest of what the robot says of itself."""
-
-    def events(self) -> list[Event]:
-        """Return the events since the last call."""
-
-    def held(self) -> LeaseKeeper | None:
-        """Return what is being held, None if nothing moves on our behalf."""
-
-    def latest(self) -> LeaseKeeper | None:
-        """Return what was held last, whether or not it has ended."""
-
-    def release(self, why: str = LET_GO) -> None:
-        """Stop what we hold; quick, and cheap to repeat."""
-
-    def close(self) -> None:
-        """Release the motion, and disconnect."""
-
-
 def emergency(line: str) -> str | None:
     """Return the reason that an emergency stop gives, None if the line is not one: each robot knows its words."""
     try:
@@ -99,8 +62,9 @@ def emergency(line: str) -> str | None:
 class BusOperator:
     """An operator over the bus; a console in the robot's own process passes `submit` to say its lines directly.
 
-    `streams` may be a second session, so that what the robot says never delays what is said to it. `proof` is the token
-    by which the session came in: lines are sealed with it, so that the robot knows whose they are.
+    Several threads may say lines at once. A motion goes on only while the thread that would take a stop beats at `ear`,
+    ten times a second. `streams` may be a second session, so that what the robot says never delays what is said to it.
+    `proof` is the token by which the session came in: lines are sealed with it, so that the robot knows whose they are.
     """
 
     def __init__(
@@ -133,7 +97,11 @@ class BusOperator:
         self._latest: _Latest | None = _Latest(streams or session, robot, wake) if listen else None
 
     def submit(self, line: str, waited_s: float = 0.0) -> ConsoleResult:
-        """Say a line; a motion that it starts is held, unless a later line has been said meanwhile."""
+        """Say a line, hold the motion that it starts, and return its result; InputError and BusError say why not.
+
+        It was typed or written `waited_s` ago: what another stopped since then it does not move. Nothing is held where
+        a later line has been said meanwhile.
+        """
         line = clean(stop_in(line) or line)
         if not line:
             return ConsoleResult(code=0, text="")
@@ -157,7 +125,7 @@ class BusOperator:
         return result
 
     def words(self) -> list[dict[str, Any]]:
-        """Return the words that can be said."""
+        """Return what can be said, for completion; empty if the robot does not answer."""
         try:
             data = self._submit("help", 0.0).data
         except (BusError, InputError):
@@ -178,7 +146,7 @@ class BusOperator:
         return holder if holder is not None and holder.ending is None else None
 
     def latest(self) -> LeaseKeeper | None:
-        """Return what was held last."""
+        """Return what was held last, whether or not it has ended."""
         return self._holder
 
     def release(self, why: str = LET_GO) -> None:
