@@ -8,7 +8,7 @@ import argparse
 import ast
 import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -18,7 +18,8 @@ VAGUE = frozenset({
     "found", "gone", "heard", "here", "it", "kept", "left", "new", "old", "one", "other", "out", "said", "shown", "taken",
     "that", "them", "there", "these", "thing", "those", "told", "what", "who",
 })  # fmt: skip
-"""Words that are no noun of the domain. As a part of a longer name they do no harm, but for `_said` and `_told`."""
+"""Words that are no noun of the domain. As a part of a longer name they do no harm, but for `_said` and `_told`. `left`
+is a side where `right` is beside it."""
 VERBS = ("_heard", "_said", "_told")
 FUNCTIONS = ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -41,19 +42,26 @@ def vague_names(tree: ast.AST) -> Iterator[tuple[int, str]]:
 
 
 def _attributes(body: list[ast.stmt]) -> Iterator[tuple[int, str]]:
-    for statement in body:
-        match statement:
-            case ast.AnnAssign(target=ast.Name(id=name)) if is_vague(name):
-                yield statement.lineno, name
+    lines = {
+        statement.target.id: statement.lineno
+        for statement in body
+        if isinstance(statement, ast.AnnAssign) and isinstance(statement.target, ast.Name)
+    }
+    yield from ((line, name) for name, line in lines.items() if is_vague(name) and not _is_side(name, lines))
 
 
 def _variables(function: FUNCTIONS) -> Iterator[tuple[int, str]]:
     lines: dict[str, list[int]] = {}
     for node in ast.walk(function):
         match node:
-            case ast.Name(id=name) | ast.arg(arg=name) if is_vague(name):
+            case ast.Name(id=name) | ast.arg(arg=name):
                 lines.setdefault(name, []).append(node.lineno)
-    yield from ((min(at), name) for name, at in lines.items() if max(at) - min(at) > LIVES_LINES)
+    vague = {name: at for name, at in lines.items() if is_vague(name) and not _is_side(name, lines)}
+    yield from ((min(at), name) for name, at in vague.items() if max(at) - min(at) > LIVES_LINES)
+
+
+def _is_side(name: str, beside: Container[str]) -> bool:
+    return name == "left" and "right" in beside
 
 
 def packages() -> dict[str, Path]:

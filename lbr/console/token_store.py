@@ -59,11 +59,11 @@ def can_ask() -> bool:
 def save(endpoint: str, token: Token) -> None:
     """Keep a token that let us in, for our eyes only."""
     path = _path()
-    new = path.with_suffix(f".new-{os.getpid()}")
+    draft = path.with_suffix(f".new-{os.getpid()}")
     content = msgspec.json.format(msgspec.json.encode(_saved() | {endpoint: str(token)}))
-    with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "wb") as file:
+    with os.fdopen(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "wb") as file:
         file.write(content)
-    new.replace(path)
+    draft.replace(path)
 
 
 def _saved() -> dict[str, str]:

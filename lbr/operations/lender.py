@@ -137,16 +137,16 @@ class LeasingCapability(Capability[S], Generic[S, L]):
         """
         self.listen()
         if call.name == STOP:
-            said, lost = call.message, call.message.lost and not call.remote
+            message, lost = call.message, call.message.lost and not call.remote
             stop = Stop(
                 source=call.source,
                 received=call.arrived,
-                reason=said.reason,
+                reason=message.reason,
                 lost=lost,
-                whole=said.whole,
-                own=said.own,
-                by="" if call.remote else said.by,
-                at_once=said.at_once,
+                whole=message.whole,
+                own=message.own,
+                by="" if call.remote else message.by,
+                at_once=message.at_once,
             )
             self.happen(stop, call)
         else:
@@ -208,7 +208,7 @@ class LeasingCapability(Capability[S], Generic[S, L]):
         self._state, outputs = self.decide(event, self.ctx.clock())
         live = self._state.leases.live
         self.ctx.live_lease = live.id if live is not None else ""
-        for output in sorted(outputs, key=_is_told):
+        for output in sorted(outputs, key=_is_report):
             self.pass_on(output, call)
 
     def pass_on(self, output: Any, call: Call | None) -> None:
@@ -245,7 +245,7 @@ class LeasingCapability(Capability[S], Generic[S, L]):
         self._alive_holder = holder if alive else ""
 
 
-def _is_told(output: object) -> bool:
+def _is_report(output: object) -> bool:
     return not isinstance(output, Setpoint)
 
 

@@ -167,7 +167,7 @@ def silence(now: Snapshot, part: Part) -> Iterator[Link]:
     """Yield that a part which runs does not answer: it has just been frozen, or the machine leaves it no time."""
     topics = [f"{part.name}/{port}" for port, name in part.outputs.items() if name in said.understood()]
     unit = now.unit(part.name)
-    if not topics or unit is None or unit.phase != "ready" or any(topic in now.said for topic in topics):
+    if not topics or unit is None or unit.phase != "ready" or any(topic in now.messages for topic in topics):
         return
     yield Link(
         "process",

@@ -123,15 +123,15 @@ class Said(Struct, frozen=True, kw_only=True):
 class Snapshot(Struct, frozen=True, kw_only=True):
     """A robot at one moment. `executive`: it answers, it is silent, or it does not run.
 
-    `silent_s` is for how long it was waited for. `asker` is who asks, with which `role`, about the part `asked`. `said`
-    is by topic, such as `drive/state`. `events` are oldest first.
+    `silent_s` is for how long it was waited for. `asker` is who asks, with which `role`, about the part `asked`.
+    `messages` are by topic, such as `drive/state`. `events` are oldest first.
     """
 
     facts: Facts
     executive: Literal["up", "silent", "down"] = "up"
     waited_s: float = 0.0
     status: Status | None = None
-    said: dict[str, Said] = {}
+    messages: dict[str, Said] = {}
     events: tuple[Event, ...] = ()
     wall_ns: int = 0
     asker: str = ""
@@ -146,7 +146,7 @@ class Snapshot(Struct, frozen=True, kw_only=True):
     def report(self, part: Part, message: type[T]) -> "Report[T] | None":
         """Return the newest message of this type in a part's streams."""
         for port, name in part.outputs.items():
-            newest = self.said.get(f"{part.name}/{port}")
+            newest = self.messages.get(f"{part.name}/{port}")
             if name == message.__name__ and newest is not None:
                 fields = {key: value for key, value in newest.message.items() if key != "age_s"}
                 try:

@@ -145,7 +145,7 @@ class Walk:
         if part.family != "operation" or source.family != "driver" or unit is None or unit.phase != "ready":
             return
         topic = end.replace(".", "/")
-        newest = self.now.said.get(topic)
+        newest = self.now.messages.get(topic)
         if newest is None:
             text = f"nothing is heard on {topic}, which '{part.name}' goes by"
             yield Link("input", source.name, "doubt", text, "stale_sensor", evidence=topic, do=f"lbr topic hz {topic}")

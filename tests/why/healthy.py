@@ -69,7 +69,7 @@ def snapshot(of: Facts) -> Snapshot:
         estop=EstopState(engaged=False, reason=""),
         capabilities=units,
     )
-    return Snapshot(facts=of, status=status, said=measured | found, wall_ns=WALL_NS, asker="lbr why@here:1")
+    return Snapshot(facts=of, status=status, messages=measured | found, wall_ns=WALL_NS, asker="lbr why@here:1")
 
 
 def unit(name: str, of: Facts, **fields: Any) -> CapabilityStatus:
@@ -90,13 +90,13 @@ def with_unit(now: Snapshot, name: str, **fields: Any) -> Snapshot:
 
 def with_said(now: Snapshot, topic: str, age_s: float | None = AGE_S, **fields: Any) -> Snapshot:
     """Return the robot with other fields in the newest message of a stream."""
-    message = {**now.said[topic].message, **msgspec.to_builtins(fields)}
-    return replace(now, said={**now.said, topic: Said(message=message, age_s=age_s)})
+    message = {**now.messages[topic].message, **msgspec.to_builtins(fields)}
+    return replace(now, messages={**now.messages, topic: Said(message=message, age_s=age_s)})
 
 
 def with_joint(now: Snapshot, name: str, **fields: Any) -> Snapshot:
     """Return the robot with another state of one joint."""
-    joints = dict(now.said["joints/state"].message["joints"])
+    joints = dict(now.messages["joints/state"].message["joints"])
     joints[name] = {**joints[name], **fields}
     return with_said(now, "joints/state", joints=joints)
 

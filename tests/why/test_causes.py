@@ -193,7 +193,7 @@ CAUSES: dict[str, tuple[str, str, Broken, tuple[str, str, str]]] = {
     "torque off": (
         "bioloid", "joints",
         lambda now: with_said(
-            now, "joints/state", joints={name: {**one, "torque": 0.0} for name, one in now.said["joints/state"].message["joints"].items()}
+            now, "joints/state", joints={name: {**one, "torque": 0.0} for name, one in now.messages["joints/state"].message["joints"].items()}
         ),
         ("torque", "joints", "no_torque"),
     ),
@@ -264,10 +264,10 @@ CAUSES: dict[str, tuple[str, str, Broken, tuple[str, str, str]]] = {
         "uxa90", "tracking", lambda now: with_said(now, "camera_head/state", on=False, phase="off"), ("switch", "camera_head", "off"),
     ),
     "the executive hangs": (
-        "lbr", "drive", lambda now: replace(now, executive="silent", status=None, said={}), ("executive", "executive", "unreachable"),
+        "lbr", "drive", lambda now: replace(now, executive="silent", status=None, messages={}), ("executive", "executive", "unreachable"),
     ),
     "the robot does not run": (
-        "lbr", "drive", lambda now: replace(now, executive="down", status=None, said={}), ("executive", "executive", "unreachable"),
+        "lbr", "drive", lambda now: replace(now, executive="down", status=None, messages={}), ("executive", "executive", "unreachable"),
     ),
 }  # fmt: skip
 NOT_HARDWARE = {name for name, (*_, (link, _about, _code)) in CAUSES.items() if link not in HARDWARE}
@@ -590,7 +590,9 @@ def test_a_camera_that_rests_without_a_viewer_is_not_told_as_slow(robots):
 
 def test_what_runs_and_does_not_answer_is_told(robots):
     now = robots["lbr"]
-    silent = replace(now, said={topic: one for topic, one in now.said.items() if not topic.startswith("drive/")})
+    silent = replace(
+        now, messages={topic: one for topic, one in now.messages.items() if not topic.startswith("drive/")}
+    )
     assert told(silent, "drive") == ("process", "drive", "timeout")
 
 

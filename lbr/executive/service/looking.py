@@ -24,7 +24,7 @@ def look(robot: Robot, bus: Session, *, asker: str = "", role: Role = "admin") -
     return Snapshot(
         facts=facts(plan, status.profile),
         status=status,
-        said={topic: Said(message=one.message, age_s=one.age_s) for topic, one in found.items()},
+        messages={topic: Said(message=one.message, age_s=one.age_s) for topic, one in found.items()},
         events=tuple(robot.recent_events()),
         wall_ns=time.time_ns(),
         asker=asker,

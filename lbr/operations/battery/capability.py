@@ -48,13 +48,13 @@ class Battery(Capability[BatterySettings]):
         if state.charging and before is not None and before.charging is False:
             self._warn("charging", f"the battery is being charged ({volts})", now, level="info")
 
-    def _warn(self, what: str, text: str, now: float, *, level: str = "warning") -> None:
+    def _warn(self, kind: str, text: str, now: float, *, level: str = "warning") -> None:
         """Say it as an event and aloud, unless that was done not long ago."""
-        if not now - self._warned_at.get(what, -inf) >= self.ctx.settings.repeat_s:
+        if not now - self._warned_at.get(kind, -inf) >= self.ctx.settings.repeat_s:
             return
-        self._warned_at[what] = now
-        self.ctx.event(what, text, level=level)
-        self.ctx.ask("say", SayCommand(phrase=what), timeout_s=SAY_WITHIN_S)  # speech says what goes wrong with it
+        self._warned_at[kind] = now
+        self.ctx.event(kind, text, level=level)
+        self.ctx.ask("say", SayCommand(phrase=kind), timeout_s=SAY_WITHIN_S)  # speech says what goes wrong with it
 
 
 def _gist(state: BatteryState) -> tuple[object, ...]:

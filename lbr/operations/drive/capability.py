@@ -11,7 +11,7 @@ from lbr.messages.drive import CheckVerdict, DriveState
 from lbr.messages.kinematics import Kinematics, Wheel, base_of
 from lbr.messages.motors import MotorSetpoint
 from lbr.messages.sensing import RangeSensor
-from lbr.operations.drive.command import shown
+from lbr.operations.drive.command import check_request
 from lbr.operations.drive.granting import to_be_checked
 from lbr.operations.drive.kernel import decide, drive_state, first_state
 from lbr.operations.drive.settings import DriveSettings
@@ -109,7 +109,10 @@ class Drive(LeasingCapability[DriveSettings, State]):
         if not (self.ctx.targets("checks") and to_be_checked(self._state, event, self.ctx.clock())):
             self.happen(event, call)
             return
-        question, timeout_s = shown(call.source, event.command, self.ctx.settings), self.ctx.settings.checks_timeout_s
+        question, timeout_s = (
+            check_request(call.source, event.command, self.ctx.settings),
+            self.ctx.settings.checks_timeout_s,
+        )
         ask = partial(self.ctx.ask, "checks", question, timeout_s=timeout_s)
         self.wait_for(call, "checks", ask, timeout_s, lambda answers: self.happen(_event(call, answers), call))
 

@@ -20,7 +20,7 @@ def moves(command: Motion) -> bool:
     return not (isinstance(command, DriveCommand) and command.power == 0.0)
 
 
-def what(command: Motion) -> tuple[float | str, ...]:
+def content_of(command: Motion) -> tuple[float | str, ...]:
     """Return what a command asks for, without its sender, its lease and how long it lasts."""
     if isinstance(command, TurnCommand):
         return ("turn", command.angle_deg)
@@ -90,7 +90,7 @@ def straight(command: DriveCommand) -> bool:
     return fmod(command.angle_deg, 180.0) == 0.0
 
 
-def shown(source: str, command: Motion, settings: DriveSettings) -> CheckRequest:
+def check_request(source: str, command: Motion, settings: DriveSettings) -> CheckRequest:
     """Return what the user's checks are shown: a turn as the spin that it is, and as what was asked."""
     if isinstance(command, DriveCommand):
         return CheckRequest(source=source, command=command)

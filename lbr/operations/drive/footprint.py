@@ -42,22 +42,22 @@ class Footprint:
     def _entries(self, reach_m: float) -> list[float]:
         """Return where, on a circle about the centre of the turn, a point comes to an edge or a corner from outside."""
         ahead_m, aside_m, radius_m, margin_m = self._ahead_m, self._aside_m, self._radius_m, self._margin_m
-        square, edge_m, found = reach_m * reach_m, self._ahead_m + self._margin_m, []
+        square, edge_m, angles = reach_m * reach_m, self._ahead_m + self._margin_m, []
         if reach_m > edge_m:
             along_m = sqrt(square - edge_m * edge_m)
             if abs(radius_m - along_m) <= aside_m:
-                found.append(atan2(-along_m, edge_m))
+                angles.append(atan2(-along_m, edge_m))
             if abs(radius_m + along_m) <= aside_m:
-                found.append(atan2(along_m, -edge_m))
+                angles.append(atan2(along_m, -edge_m))
         for side in (1.0, -1.0):
             edge_m = side * (aside_m + margin_m) - radius_m
             beyond = square - edge_m * edge_m
             if beyond > 0.0 and (along_m := sqrt(beyond)) <= ahead_m:
-                found.append(atan2(edge_m, side * along_m))
+                angles.append(atan2(edge_m, side * along_m))
         for corner_m, angle in self._corners:
             if -margin_m < reach_m - corner_m < margin_m:
-                found.append(angle + self._beside_rad(reach_m, corner_m))
-        return found
+                angles.append(angle + self._beside_rad(reach_m, corner_m))
+        return angles
 
     def _beside_rad(self, reach_m: float, corner_m: float) -> float:
         cosine = (reach_m * reach_m + corner_m * corner_m - self._margin_m**2) / (2.0 * reach_m * corner_m)

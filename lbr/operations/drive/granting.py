@@ -11,7 +11,7 @@ from lbr.messages.codes import Code, Reason
 from lbr.messages.drive import DriveCommand, TwistCommand
 from lbr.operations.drive import goals
 from lbr.operations.drive.acceptance import judge
-from lbr.operations.drive.command import Motion, asked_sides, fitting_sides, moves, power_of, towards_deg, what
+from lbr.operations.drive.command import Motion, asked_sides, content_of, fitting_sides, moves, power_of, towards_deg
 from lbr.operations.drive.ending import Decision, apply, halt
 from lbr.operations.drive.rules import Limit
 from lbr.operations.drive.state import ActiveMotion, Command, State
@@ -66,7 +66,7 @@ def _asked(state: State, event: Command, now: float) -> Ask[ActiveMotion]:
     request = LeaseRequest(
         source=event.source,
         lease=command.lease,
-        content=what(command),
+        content=content_of(command),
         moves=moves(command),
         received=event.received,
         new_lease=event.new_lease,

@@ -38,7 +38,7 @@ def see(before: HeadingView, attitude: AttitudeState, arrived: float, settings: 
     if seen <= before.seen and attitude.valid and attitude.epoch == before.epoch:
         return before
     turned_deg = nan if attitude.turned_deg is None else attitude.turned_deg
-    found = HeadingView(
+    newest = HeadingView(
         trouble=_trouble(attitude, turned_deg, seen),
         epoch=attitude.epoch,
         turned_deg=turned_deg,
@@ -46,7 +46,9 @@ def see(before: HeadingView, attitude: AttitudeState, arrived: float, settings: 
         heading_reason=attitude.heading_reason or "it is not measured",
         seen=seen,
     )
-    return found if found.trouble or before.trouble or found.epoch != before.epoch else _after(before, found, settings)
+    return (
+        newest if newest.trouble or before.trouble or newest.epoch != before.epoch else _after(before, newest, settings)
+    )
 
 
 def not_known(heading: HeadingView, settings: DriveSettings, now: float) -> str:
@@ -63,16 +65,16 @@ def shortest_deg(heading_deg: float, wanted_deg: float) -> float:
     return way_deg if way_deg <= 180.0 else way_deg - 360.0
 
 
-def _after(before: HeadingView, found: HeadingView, settings: DriveSettings) -> HeadingView:
-    elapsed_s = found.seen - before.seen
-    way_deg = found.turned_deg - before.turned_deg
+def _after(before: HeadingView, newest: HeadingView, settings: DriveSettings) -> HeadingView:
+    elapsed_s = newest.seen - before.seen
+    way_deg = newest.turned_deg - before.turned_deg
     most_deg = JUMP_DEG + JUMP_SHARE * settings.max_turn_dps * elapsed_s
     if not abs(way_deg) <= most_deg:
-        return replace(found, trouble=f"the attitude jumped by {way_deg:.0f} degrees within {elapsed_s:.2f} s")
+        return replace(newest, trouble=f"the attitude jumped by {way_deg:.0f} degrees within {elapsed_s:.2f} s")
     fastest_dps = JUMP_SHARE * settings.max_turn_dps
     newest_dps = max(-fastest_dps, min(fastest_dps, way_deg / elapsed_s))
     rate_dps = before.rate_dps + (newest_dps - before.rate_dps) * SMOOTHING
-    return replace(found, rate_dps=rate_dps)
+    return replace(newest, rate_dps=rate_dps)
 
 
 def _trouble(attitude: AttitudeState, turned_deg: float, seen: float) -> str:

@@ -194,12 +194,12 @@ def _odometry(state: State, event: OdometrySeen, now: float) -> Decision:
     if state.lease is None or goal is None or goal.way is None:
         return state, ()
     way = distance_goal.watch(goal.way, seen, state.left, state.settings)
-    said: Outputs = ()
+    slip: Outputs = ()
     if seen.slipping and not way.slipped:
         way = replace(way, slipped=True)
-        said = _slips(state.lease.source)
+        slip = _slips(state.lease.source)
     state, ended = end_what_is_over(_with_goal(state, replace(goal, way=way)), now)
-    return state, said + ended
+    return state, slip + ended
 
 
 def _slips(source: str) -> Outputs:

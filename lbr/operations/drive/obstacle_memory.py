@@ -132,7 +132,7 @@ def see_scan(
     stands = hypot(memory.x_m, memory.y_m) < STILL_M and abs(memory.yaw_rad) < STILL_RAD
     known = memory.spots if stands else around(memory)
     metres = scan.metres()
-    kept = [spot for spot in _not_forgotten(known, now, settings) if not _passed(spot, row, scan, metres)]
+    remembered = [spot for spot in _not_forgotten(known, now, settings) if not _passed(spot, row, scan, metres)]
     by_sector: dict[int, tuple[float, Spot]] = {}
     reach_m = settings.memory_reach_m + settings.body_length_m / 2
     for number, value_m in enumerate(metres):
@@ -142,7 +142,7 @@ def see_scan(
             sector, away_m = round(atan2(spot.y_m, spot.x_m) / SECTOR_RAD), hypot(spot.x_m, spot.y_m)
             if away_m < by_sector.get(sector, (inf, spot))[0]:
                 by_sector[sector] = away_m, spot
-    return _with(memory, [*kept, *(spot for _, spot in by_sector.values())], stands=stands)
+    return _with(memory, [*remembered, *(spot for _, spot in by_sector.values())], stands=stands)
 
 
 def _with(memory: ObstacleMemory, spots: list[Spot], *, stands: bool) -> ObstacleMemory:
@@ -187,14 +187,14 @@ def limit(
     return min(arc, shift, key=lambda each: each.scale)
 
 
-def _limit(found: Ahead, speed: float, settings: DriveSettings, blocked: Iterable[Blocker]) -> Limit:
+def _limit(obstacle: Ahead, speed: float, settings: DriveSettings, blocked: Iterable[Blocker]) -> Limit:
     keep_m = settings.memory_stop_m + (settings.memory_hold_m if MEMORY in blocked else 0.0)
-    room_m = found.way_m - keep_m
+    room_m = obstacle.way_m - keep_m
     share = allowed_mps(room_m, settings) / settings.max_speed_mps if room_m > LEAST_M else 0.0
     scale = min(1.0, share / speed)
     if scale >= 1.0:
         return FREE
-    text = f"something remembered {WORDS[found.side]} at {found.distance_m:.2f} m"
+    text = f"something remembered {WORDS[obstacle.side]} at {obstacle.distance_m:.2f} m"
     stopped = () if scale > 0.0 else (MEMORY,)
     return Limit(scale=scale, direction=MEMORY, text=text, detail=text, blocked=stopped)
 
@@ -228,13 +228,13 @@ def _beside(memory: ObstacleMemory, way: tuple[float, float], settings: DriveSet
         settings.body_length_m / 2 + settings.memory_margin_m,
         settings.body_width_m / 2 + settings.memory_margin_m,
     )
-    found = NOTHING
+    nearest = NOTHING
     for x_m, y_m in _places(memory):
         way_m = _until_m((x_m, y_m), way, reach_m)
-        if way_m < found.way_m:
+        if way_m < nearest.way_m:
             side, distance_m = _named(x_m, y_m, settings)
-            found = Ahead(way_m=way_m, side=side, distance_m=distance_m)
-    return found
+            nearest = Ahead(way_m=way_m, side=side, distance_m=distance_m)
+    return nearest
 
 
 def _until_m(spot: tuple[float, float], way: tuple[float, float], reach_m: tuple[float, float]) -> float:
@@ -282,16 +282,16 @@ def _seen(spots: list[Spot], view: View, row: RangeSensor, settings: DriveSettin
     clear_m = min(near_m, view.distance_m) - BEYOND_M  # a farther value counts when a second one confirms it
     half_m = max(near_m * sin(row.fov_rad / 2), settings.memory_aside_m)
     across = [part * half_m for part in ACROSS] if near_m < settings.memory_reach_m else []
-    kept = []
+    remaining = []
     for spot in spots:
         along_m, across_m = spot[0] * c + spot[1] * s - face_m, spot[1] * c - spot[0] * s - off_m
         if clear_m > 0.0 and _past(spot, row, along_m, across_m, clear_m):
             continue
         if abs(along_m - near_m) >= APART_M or not any(abs(across_m - aside_m) < APART_M for aside_m in across):
-            kept.append(spot)
+            remaining.append(spot)
     far_m = face_m + near_m
     beside = [aside + off_m for aside in across]
-    return kept + [Spot(far_m * c - aside * s, far_m * s + aside * c, view.seen, row.name) for aside in beside]
+    return remaining + [Spot(far_m * c - aside * s, far_m * s + aside * c, view.seen, row.name) for aside in beside]
 
 
 def _passed(spot: Spot, row: RangeSensor, scan: Scan, metres: Sequence[float]) -> bool:

@@ -38,7 +38,7 @@ def see(before: OdometryView, odometry: OdometryState, arrived: float, settings:
         return before
     distance_m = nan if odometry.distance_m is None else odometry.distance_m
     speed_mps = nan if odometry.speed_mps is None else odometry.speed_mps
-    found = OdometryView(
+    newest = OdometryView(
         trouble=_trouble(odometry, (seen, distance_m, speed_mps)),
         epoch=odometry.epoch,
         distance_m=distance_m,
@@ -48,12 +48,12 @@ def see(before: OdometryView, odometry: OdometryState, arrived: float, settings:
         seen=seen,
         rests=odometry.rests,
     )
-    if found.trouble or before.trouble or found.epoch != before.epoch:
-        return found
+    if newest.trouble or before.trouble or newest.epoch != before.epoch:
+        return newest
     way_m = distance_m - before.distance_m
     most_m = JUMP_M + JUMP_SHARE * settings.max_speed_mps * (seen - before.seen)
     jumped = f"the odometry jumped by {way_m:.2f} m within {seen - before.seen:.2f} s"
-    return found if abs(way_m) <= most_m else replace(found, trouble=jumped)
+    return newest if abs(way_m) <= most_m else replace(newest, trouble=jumped)
 
 
 def not_known(odometry: OdometryView, now: float, since: float = -inf) -> str:

@@ -93,7 +93,7 @@ def see(
     views: Mapping[str, View], ranges: Ranges, now: float, odometer: Odometer, sensors: Sensors = USUAL
 ) -> dict[str, View]:
     """Return what is believed of every sensor after new readings, and of what they see in the way."""
-    found = dict(views)
+    updated = dict(views)
     for name in sensors.singles:
         if not ranges.tells_of(name):
             continue
@@ -101,23 +101,23 @@ def see(
         raw_m, trouble = measured_m(ranges, name, sensors)
         travel_m = odometer.along_m if sensing.sees_along(row) else odometer.turned_m
         before = views.get(name)
-        found[name] = _see(before, raw_m, trouble, now, travel_m)
+        updated[name] = _see(before, raw_m, trouble, now, travel_m)
         same = before is not None and raw_m == before.raw_m and isfinite(raw_m)
         for view, side in sensors.covers(row):
             near_m = raw_m if isnan(raw_m) else sensing.single(sensors.ways[name][side], raw_m)
-            found[view] = _see(views.get(view), near_m, trouble, now, _travel_m(odometer, side), same=same)
-    return found
+            updated[view] = _see(views.get(view), near_m, trouble, now, _travel_m(odometer, side), same=same)
+    return updated
 
 
 def see_scan(
     views: Mapping[str, View], scan: Scan, now: float, odometer: Odometer, sensors: Sensors, *, same: bool
 ) -> dict[str, View]:
     """Return what is believed after a scan; `same`: it is to the last number the one before."""
-    found = dict(views)
+    updated = dict(views)
     for side, (near_m, trouble) in sensing.scanned(sensors, sensors.rows[scan.sensor], scan).items():
         name = sensing.view_of(scan.sensor, side)
-        found[name] = _see(views.get(name), near_m, trouble, now, _travel_m(odometer, side), same=same)
-    return found
+        updated[name] = _see(views.get(name), near_m, trouble, now, _travel_m(odometer, side), same=same)
+    return updated
 
 
 def limit(
@@ -136,12 +136,12 @@ def limit(
     """
     parts = towards(*wheels, aside)
     held = frozenset(blocked)
-    found = [
+    limits = [
         _apply(settings, rule, views, parts[rule.direction], now, held)
         for rule in (settings.rules if rules is None else rules)
     ]
-    strictest = min(found, key=lambda each: each.scale, default=FREE)
-    stopped = tuple(each.direction for each in found if each.direction is not None and not each.scale > 0.0)
+    strictest = min(limits, key=lambda each: each.scale, default=FREE)
+    stopped = tuple(each.direction for each in limits if each.direction is not None and not each.scale > 0.0)
     return replace(strictest, blocked=stopped) if strictest.scale < 1.0 else FREE
 
 

@@ -165,12 +165,12 @@ def _crossed(
     angles = [first_rad + number * step_rad for number in range(count)]
     looks = _spread(row.fov_rad, LOOK_RAD)
     about_rad = max((BLIND_RAD - LOOK_RAD) / 2, 0.6 * row.step_rad)  # as sparse as its row says it may be
-    found: dict[Direction, Way] = {}
+    ways: dict[Direction, Way] = {}
     for side in SIDES:
         wanted = [looks[ray.number] for ray in _rays(row, looks, side, length_m, width_m)]
         near = (tuple(n for n, angle in enumerate(angles) if _apart(angle, look) <= about_rad) for look in wanted)
-        found[side] = Way(_rays(row, angles, side, length_m, width_m), tuple(near))
-    return found
+        ways[side] = Way(_rays(row, angles, side, length_m, width_m), tuple(near))
+    return ways
 
 
 def _scanned(way: Way, metres: Sequence[float], least_m: float) -> Seen:

@@ -162,7 +162,7 @@ class State(Struct, frozen=True, kw_only=True):
     odometry: OdometryView = odometry_view.UNHEARD
     limited: Limit = FREE
     blocked_since: float = nan
-    told: str = ""
+    told_rule: str = ""
     told_stop: bool = False
     told_at: float = nan
 

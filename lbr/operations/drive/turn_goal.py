@@ -130,12 +130,12 @@ def watch(turn: TurnGoal, heading: HeadingView, pushing: float, settings: DriveS
     return replace(turn, quiet=since if still and pushing == 0.0 else nan)
 
 
-def driven(turn: TurnGoal, left: float, elapsed_s: float, settings: DriveSettings) -> TurnGoal:
+def driven(turn: TurnGoal, left_power: float, elapsed_s: float, settings: DriveSettings) -> TurnGoal:
     """Return the turn after the left wheel was given this power for a while."""
     share = min(1.0, elapsed_s / max(settings.turn_lag_s, 1e-3))
-    flow_dps = turn.flow_dps + (left * settings.max_turn_dps - turn.flow_dps) * share
-    from_rest = left != 0.0 and abs(turn.flow_dps) < QUIET_DPS / 2 and abs(turn.heading.rate_dps) <= QUIET_DPS
-    return replace(turn, flow_dps=flow_dps, given=left, tries=turn.tries + from_rest)
+    flow_dps = turn.flow_dps + (left_power * settings.max_turn_dps - turn.flow_dps) * share
+    from_rest = left_power != 0.0 and abs(turn.flow_dps) < QUIET_DPS / 2 and abs(turn.heading.rate_dps) <= QUIET_DPS
+    return replace(turn, flow_dps=flow_dps, given=left_power, tries=turn.tries + from_rest)
 
 
 def fault(turn: TurnGoal, settings: DriveSettings, now: float) -> Reason | None:

@@ -28,7 +28,7 @@ def next_wheels(state: State, now: float) -> State:
     lease = state.lease
     if lease is None:
         still = replace(state, left=0.0, right=0.0, aside=0.0)
-        return replace(still, limited=FREE, blocked_since=nan, told="", told_stop=False)
+        return replace(still, limited=FREE, blocked_since=nan, told_rule="", told_stop=False)
     active = lease.motion
     goal = goals.driven(active.goal, state, elapsed_s, now)
     asked = active.sides
@@ -73,12 +73,12 @@ def tell(state: State, now: float) -> tuple[State, Outputs]:
     stops = limited.direction is not None and not limited.scale > 0.0
     key = f"{'stop' if stops else 'slow'} {limited.direction}" if limited.direction else ""
     newly_stopped = stops and not state.told_stop
-    if key == state.told or not (state.told == "" or newly_stopped or now - state.told_at >= TELL_AGAIN_S):
+    if key == state.told_rule or not (state.told_rule == "" or newly_stopped or now - state.told_at >= TELL_AGAIN_S):
         return state, ()
     level: Level = "warning" if stops else "info"
     code = limited.code if limited.direction else ""
-    said = Happened(kind="rule", text=_sentence(limited, stops=stops), level=level, code=code)
-    return replace(state, told=key, told_stop=stops, told_at=now), (said,)
+    change = Happened(kind="rule", text=_sentence(limited, stops=stops), level=level, code=code)
+    return replace(state, told_rule=key, told_stop=stops, told_at=now), (change,)
 
 
 def _sentence(limited: Limit, *, stops: bool) -> str:

@@ -170,14 +170,14 @@ def _numbers(command: JointsCommand) -> Reason | None:
 
 def _wrong(state: State, command: JointsCommand) -> Iterator[Reason]:
     """Say what is wrong with each joint that is named; a mirror's joint has limits of its own."""
-    body, told = state.body, set[Reason]()
+    body, reasons = state.body, set[Reason]()
     for positions in (command.positions, *(frame.positions for frame in command.frames)):
         for name, angle_rad in positions.items():
             why = body.refusal(name, angle_rad)
             if not why and command.mirror:
                 why = _not_mirrored(state, name, angle_rad)
-            if why and why not in told:
-                told.add(why)
+            if why and why not in reasons:
+                reasons.add(why)
                 yield why
 
 

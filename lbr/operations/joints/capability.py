@@ -181,10 +181,10 @@ def _torque(call: Call) -> Torque:
 
 def _pass_on(call: Call, answers: Answers) -> None:
     """Answer with what the servo driver said."""
-    found = [answer for answer in (answers or {}).values() if isinstance(answer, CommandReply)]
-    if not found or len(found) < len(answers or ()):
+    replies = [answer for answer in (answers or {}).values() if isinstance(answer, CommandReply)]
+    if not replies or len(replies) < len(answers or ()):
         call.refuse("the servo driver did not answer; is it running?", "unreachable")
         return
-    reasons = "; ".join(answer.reason for answer in found if answer.reason)
-    code = next((answer.code for answer in found if not answer.accepted), "")
-    call.reply(CommandReply(accepted=all(answer.accepted for answer in found), reason=reasons, code=code))
+    reasons = "; ".join(answer.reason for answer in replies if answer.reason)
+    code = next((answer.code for answer in replies if not answer.accepted), "")
+    call.reply(CommandReply(accepted=all(answer.accepted for answer in replies), reason=reasons, code=code))

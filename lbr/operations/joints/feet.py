@@ -155,12 +155,12 @@ def _straight(state: State, feet: ToFeet, now: float) -> State:
         return state
     start = {}
     for name in feet.pose:
-        found = position_rad(state, name)
+        measured_rad = position_rad(state, name)
         if name not in state.on:
             continue
-        if found is None or now - age_s(state, name, now) <= feet.begun or age_s(state, name, now) > MEASURED_S:
+        if measured_rad is None or now - age_s(state, name, now) <= feet.begun or age_s(state, name, now) > MEASURED_S:
             return state  # until its time is over
-        start[name] = state.body.within(name, found)
+        start[name] = state.body.within(name, measured_rad)
     limits_rps = {name: state.body.joints[name].speed_rps for name in start}
     pose = {name: feet.pose[name] for name in start}
     way = _direct(start, pose, limits_rps, feet.until - now, {}) if start else None

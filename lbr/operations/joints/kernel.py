@@ -53,7 +53,7 @@ def _handle(state: State, event: Event, now: float) -> Decision:
         case ServosSeen():
             decision = servos.seen(state, event, now)
         case ServosLost():
-            decision = servos.gone(state, event, now)
+            decision = servos.driver_lost(state, event, now)
         case Tick():
             state, ended = end_what_is_over(moving.advance(feet.advance(state, now), now), now)
             decision = state, (*ended, *setpoint(state))
@@ -84,19 +84,19 @@ def _begin(state: State, event: Command, ask: Ask[Move], now: float) -> Decision
     """Hold the joints from now on; what confirms an offer goes on with the goal that was offered."""
     idle_s, state = _idle_s(state, now), moving.advance(state, now)
     state = moving.interrupted(moving.held_again(state))
-    state, told = _strengthened(state, event, ask, now)
+    state, torque_events = _strengthened(state, event, ask, now)
     offer = ask.confirms
     state, move = _move(state, ask, offer.motion.goal if offer else event.new_goal, idle_s, now)
     state, said = take(state, leasing.grant(state.leases, ask, move), now)
     state = _underway(state, ask)
-    return state, (*told, *said, _yes(state, ask), *setpoint(state))
+    return state, (*torque_events, *said, _yes(state, ask), *setpoint(state))
 
 
 def _change(state: State, event: Command, ask: Ask[Move], now: float) -> Decision:
     """Move otherwise under the same lease, from the next setpoint on; what is appended or joins goes on under the same
     goal."""
     idle_s, state = _idle_s(state, now), moving.advance(state, now)
-    state, told = _strengthened(state, event, ask, now)
+    state, torque_events = _strengthened(state, event, ask, now)
     command, move = command_of(ask), state.move
     assert move is not None
     if command.append or command.join:
@@ -112,7 +112,7 @@ def _change(state: State, event: Command, ask: Ask[Move], now: float) -> Decisio
     state, reports = take(state, (leases, outputs), now)
     state = _underway(state, ask)
     at_once = setpoint(state) if command.join else ()
-    return state, (*told, *reports, _yes(state, ask), *at_once)
+    return state, (*torque_events, *reports, _yes(state, ask), *at_once)
 
 
 def _move(state: State, ask: Ask[Move], goal: str, idle_s: float, now: float) -> tuple[State, Move]:

@@ -25,7 +25,7 @@ class Stored(Struct, frozen=True, kw_only=True):
 
     motion: StoredMotion
     count: int
-    told: float
+    told_at: float
     playing: float = nan
 
 
@@ -54,13 +54,13 @@ class Move(Struct, frozen=True, kw_only=True):
     yet.
 
     `passed` key frames lay behind when the trajectory began. `arrived` is when its end was commanded (NaN: not yet).
-    `beside` are the ways of joints that joined. `followed`: the driver said that the servos follow; it has been `told`
-    so since then, under this lease. With `stay` it is not over when all have arrived.
+    `beside` are the ways of joints that joined. `followed`: the driver said that the servos follow; it has been told so
+    since `told_at`, under this lease. With `stay` it is not over when all have arrived.
     """
 
     goal: str
     begun: float
-    told: float = nan
+    told_at: float = nan
     trajectory: Trajectory | None = None
     elapsed_s: float = 0.0
     passed: int = 0

@@ -89,12 +89,12 @@ def measured(state: State, name: str) -> float | None:
     """
     if state.settings.open_loop and unmeasured(state, name, state.clock):
         return state.goals.get(name)
-    found = position_rad(state, name)
-    far = found is None or state.body.beyond_rad(name, found) > MARGIN_RAD
+    measured_rad = position_rad(state, name)
+    far = measured_rad is None or state.body.beyond_rad(name, measured_rad) > MARGIN_RAD
     return (
         None
-        if found is None or far or not age_s(state, name, state.clock) <= FRESH_S
-        else state.body.within(name, found)
+        if measured_rad is None or far or not age_s(state, name, state.clock) <= FRESH_S
+        else state.body.within(name, measured_rad)
     )
 
 
@@ -123,7 +123,7 @@ def _not_followed(state: State, move: Move, now: float) -> Reason | None:
     servos = state.servos
     if servos is None or servos.phase == "following" or waits(state):
         return None
-    if not (move.followed or now - max(move.told, state.waited) > FOLLOWING_S):
+    if not (move.followed or now - max(move.told_at, state.waited) > FOLLOWING_S):
         return None
     said = servos.reason or f"their driver says {servos.phase}"
     return Reason("not_followed", f"the servos do not follow: {said}")

@@ -22,7 +22,7 @@ SMOOTHEST = 1.5
 
 def begin(state: State, command: JointsCommand, goal: str, now: float, idle_s: float = 0.0) -> Move:
     """Return the motion that a command asks for, from where its joints were told to be last."""
-    move = Move(goal=goal, begun=now, told=now, stay=command.stay)
+    move = Move(goal=goal, begun=now, told_at=now, stay=command.stay)
     if command.join:
         return joined(state, move, command, now, idle_s)
     rest_s = max((_rest_s(state, name, now) for name in named(command, state.body)), default=0.0)
@@ -31,7 +31,7 @@ def begin(state: State, command: JointsCommand, goal: str, now: float, idle_s: f
 
 def instead(move: Move, other: Move) -> Move:
     """Return what follows a motion under the same lease; however often that happens, the servos are to follow it."""
-    return replace(other, told=move.told, followed=move.followed)
+    return replace(other, told_at=move.told_at, followed=move.followed)
 
 
 def append(state: State, move: Move, command: JointsCommand, now: float) -> Move:

@@ -23,16 +23,16 @@ def seen(state: State, event: ServosSeen, now: float) -> Decision:
     by_id = {servo.id: servo for servo in event.servos.servos}
     found = {name: by_id[joint.device_id] for name, joint in state.body.joints.items() if joint.device_id in by_id}
     arrived = min(event.arrived, now)  # this way round, NaN stays NaN
-    heard = arrived if state.servos is None else state.heard
-    state = unlearnt(replace(state, servos=event.servos, seen=found, servos_at=arrived, heard=heard), now)
+    heard_since = arrived if state.servos is None else state.heard_since
+    state = unlearnt(replace(state, servos=event.servos, seen=found, servos_at=arrived, heard_since=heard_since), now)
     state = replace(state, waited=now) if waits(state) else state
-    state = stored.heard(moving.followed(_note_released(_found(_adopted(state, now), now), now)), now)
+    state = stored.begun_playing(moving.followed(_note_released(_late_servos(_adopted(state, now), now), now)), now)
     state, told = _without_torque(state, now)
     state, ended = end_what_is_over(state, now)
     return _without_unmeasured(state, now), told + ended
 
 
-def gone(state: State, event: ServosLost, now: float) -> Decision:
+def driver_lost(state: State, event: ServosLost, now: float) -> Decision:
     """End what was under way; what the servos do is not known any more."""
     state = replace(state, servos=None, servos_gone=event.reason, servos_lost=now, servos_at=nan)
     state, ended = end_what_is_over(state, now)
@@ -62,7 +62,7 @@ def _adopted(state: State, now: float) -> State:
         return state
     tells = state.servos is not None and state.servos.tells_torque
     unread = tells and any(servo.torque is None and not servo.reason for servo in state.seen.values())
-    if unread and now - state.heard < UNREAD_S:
+    if unread and now - state.heard_since < UNREAD_S:
         return state
     on = frozenset(name for name, servo in state.seen.items() if _has_torque(state, name, servo))
     goals = {name: moving.as_found(state, name) for name in on}
@@ -75,14 +75,14 @@ def _adopted(state: State, now: float) -> State:
     return replace(state, unread=silent, strength={} if releasing else strength)
 
 
-def _found(state: State, now: float) -> State:
+def _late_servos(state: State, now: float) -> State:
     """A servo that was silent until now and has torque is held as well: it had a holder before this process began."""
     torque = {name: state.seen[name].torque for name in state.unread & state.seen.keys()}
-    heard = frozenset(name for name, found in torque.items() if found is not None)
-    on = frozenset(name for name in heard if torque[name])
-    if not heard:
+    reporting = frozenset(name for name, found in torque.items() if found is not None)
+    on = frozenset(name for name in reporting if torque[name])
+    if not reporting:
         return state
-    state = replace(state, unread=state.unread - heard)
+    state = replace(state, unread=state.unread - reporting)
     return replace(state, on=state.on | on, goals={**state.goals, **dict.fromkeys(on)}, switched=now) if on else state
 
 
@@ -110,23 +110,23 @@ def _without_torque(state: State, now: float) -> Decision:
     if state.move is not None and state.move.stored is not None:
         return state, ()  # its controller has them
     late = now - max(state.switched, state.waited) >= SWITCHING_S
-    gone = {}
+    reasons = {}
     for name in state.on & state.seen.keys():
         servo = state.seen[name]
         if servo.latched or (late and servo.torque == 0.0):
-            gone[name] = f"it has latched {', '.join(servo.latched)}" if servo.latched else servo.reason
-    if not gone:
+            reasons[name] = f"it has latched {', '.join(servo.latched)}" if servo.latched else servo.reason
+    if not reasons:
         return state, ()
-    told: Outputs = tuple(
+    events: Outputs = tuple(
         Happened(
             kind="let_go",
             text=f"{name} is without torque: {why or 'its servo released'}",
             level="warning",
             code="latched" if state.seen[name].latched else "no_torque",
         )
-        for name, why in gone.items()
+        for name, why in reasons.items()
     )
-    return _off(state, frozenset(gone), now), told
+    return _off(state, frozenset(reasons), now), events
 
 
 def _without_unmeasured(state: State, now: float) -> State:

@@ -95,7 +95,7 @@ class State(Struct, frozen=True, kw_only=True):
 
     `on` are the joints with torque, `goals` where each of them is to be now, in its own radians (None: where it is),
     and `strength` what is not all of that torque, as a fraction. Nothing is known of either until the driver was heard
-    (`adopted`; `begun`: it once was); until then it is told nothing. `heard` is since when the driver was there,
+    (`adopted`; `begun`: it once was); until then it is told nothing. `heard_since` says since when the driver is there,
     `switched` when torque was last switched on. Joints released at `released_at` are `resting`: the driver is to hear
     of them without torque before it hears of them with it again. Of `unread` it is not known yet whether they have
     torque. `lost`: their mover is gone, and the driver decides. `halt` counts how often all were to hold where they
@@ -121,7 +121,7 @@ class State(Struct, frozen=True, kw_only=True):
     servos: ServosState | None = None
     seen: Mapping[str, ServoState] = {}
     servos_at: float = nan
-    heard: float = nan
+    heard_since: float = nan
     switched: float = -inf
     released_at: float = -inf
     unread: frozenset[str] = frozenset()

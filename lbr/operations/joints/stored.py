@@ -25,23 +25,25 @@ def begin(state: State, motion: StoredMotion, goal: str, now: float) -> tuple[St
     Counts grow with the clock, so that a process that starts over does not say one again.
     """
     count = max(state.count + 1, int(max(now, 0.0) * 1000.0) + 1)
-    told = Stored(motion=motion, count=count, told=now)
-    return replace(state, count=count, goals=dict.fromkeys(state.on)), Move(goal=goal, begun=now, told=now, stored=told)
+    order = Stored(motion=motion, count=count, told_at=now)
+    return replace(state, count=count, goals=dict.fromkeys(state.on)), Move(
+        goal=goal, begun=now, told_at=now, stored=order
+    )
 
 
-def play(told: Stored) -> StoredPlay:
+def play(order: Stored) -> StoredPlay:
     """Return what the driver is to be told."""
-    motion = told.motion
-    return StoredPlay(slot=motion.slot, count=told.count, duration_s=motion.duration_s, limp=motion.limp)
+    motion = order.motion
+    return StoredPlay(slot=motion.slot, count=order.count, duration_s=motion.duration_s, limp=motion.limp)
 
 
-def heard(state: State, now: float) -> State:
+def begun_playing(state: State, now: float) -> State:
     """Take in what the driver says of it; once the controller plays, it has every servo."""
     lease, move = state.leases.live, state.move
     if lease is None or move is None or move.stored is None or not isnan(move.stored.playing):
         return state
-    found = _said(state, move.stored)
-    if found is None or found.phase not in {"playing", "over"}:
+    report = _report_of(state, move.stored)
+    if report is None or report.phase not in {"playing", "over"}:
         return state
     begun = replace(move, stored=replace(move.stored, playing=now))
     fit = frozenset(name for name, servo in state.seen.items() if not servo.latched)
@@ -49,39 +51,39 @@ def heard(state: State, now: float) -> State:
     return replace(state, leases=with_motion(state.leases, begun))
 
 
-def ending(state: State, told: Stored, now: float) -> tuple[Ending, Reason] | None:
+def ending(state: State, order: Stored, now: float) -> tuple[Ending, Reason] | None:
     """Return how it ended and why, or None while it is played."""
-    found, slot = _said(state, told), told.motion.slot
-    if found is None:
+    report, slot = _report_of(state, order), order.motion.slot
+    if report is None:
         servos = state.servos
-        said = servos.reason or f"their driver says {servos.phase}" if servos is not None else state.servos_gone
-        why = Reason("not_followed", f"the controller does not play slot {slot}: {said}")
-        return ("fault", why) if now - told.told > TAKEN_S else None
-    if found.phase == "failed":
-        return "fault", Reason("failed", found.reason or f"the controller did not play slot {slot}")
-    if found.phase == "over":
-        return "reached", Reason("done", f"slot {slot} was played in {now - _since(told):.2f} s")
-    if now - _since(told) < told.motion.duration_s + GRACE_S:
+        reason = servos.reason or f"their driver says {servos.phase}" if servos is not None else state.servos_gone
+        why = Reason("not_followed", f"the controller does not play slot {slot}: {reason}")
+        return ("fault", why) if now - order.told_at > TAKEN_S else None
+    if report.phase == "failed":
+        return "fault", Reason("failed", report.reason or f"the controller did not play slot {slot}")
+    if report.phase == "over":
+        return "reached", Reason("done", f"slot {slot} was played in {now - _since(order):.2f} s")
+    if now - _since(order) < order.motion.duration_s + GRACE_S:
         return None
-    if isnan(told.playing):
-        why = Reason("timeout", f"the controller did not begin to play slot {slot}: {found.reason or 'it waits'}")
+    if isnan(order.playing):
+        why = Reason("timeout", f"the controller did not begin to play slot {slot}: {report.reason or 'it waits'}")
         return "fault", why
     text = f"slot {slot} was played, as far as its time tells: its end was not told"
     return "reached", Reason("done", text, cause="time_over")
 
 
-def after(state: State, told: Stored, now: float) -> State:
+def after(state: State, order: Stored, now: float) -> State:
     """Return the state after its end: joints are at its pose, unless they were measured elsewhere since; or it is
     released."""
-    if told.motion.limp:
+    if order.motion.limp:
         return replace(state, on=frozenset(), goals={}, strength={}, resting=state.on, released_at=now)
-    goals = {name: _afterwards(state, name, told.motion, now) for name in state.on}
+    goals = {name: _afterwards(state, name, order.motion, now) for name in state.on}
     return replace(state, goals=goals, switched=now)
 
 
-def left_s(told: Stored, now: float) -> float:
+def left_s(order: Stored, now: float) -> float:
     """Return how long it still takes."""
-    return max(0.0, told.motion.duration_s - max(0.0, now - _since(told)))
+    return max(0.0, order.motion.duration_s - max(0.0, now - _since(order)))
 
 
 def busy(state: State, now: float) -> Reason | None:
@@ -89,18 +91,18 @@ def busy(state: State, now: float) -> Reason | None:
     lease = state.leases.live
     if lease is None or lease.motion.stored is None:
         return None
-    told = lease.motion.stored
-    return Reason("busy", f"busy: the controller plays slot {told.motion.slot} for {left_s(told, now):.1f} s more")
+    order = lease.motion.stored
+    return Reason("busy", f"busy: the controller plays slot {order.motion.slot} for {left_s(order, now):.1f} s more")
 
 
-def _since(told: Stored) -> float:
-    return told.told if isnan(told.playing) else told.playing
+def _since(order: Stored) -> float:
+    return order.told_at if isnan(order.playing) else order.playing
 
 
-def _said(state: State, told: Stored) -> StoredState | None:
+def _report_of(state: State, order: Stored) -> StoredState | None:
     """Return what the driver says of this very motion."""
-    found = state.servos.stored if state.servos is not None else None
-    return found if found is not None and found.count == told.count else None
+    report = state.servos.stored if state.servos is not None else None
+    return report if report is not None and report.count == order.count else None
 
 
 def _afterwards(state: State, name: str, motion: StoredMotion, now: float) -> float | None:

@@ -26,16 +26,20 @@ def switch(state: State, event: Torque, now: float) -> Decision:
 def _on(state: State, event: Torque, names: tuple[str, ...], now: float) -> Decision:
     troubles = {name: why for name in names if (why := not_to_be_held(state, name, now))}
     fit = frozenset(names) - troubles.keys()
-    told = "; ".join(why.text for why in list(troubles.values())[:MOST_TOLD])
+    sentences = "; ".join(why.text for why in list(troubles.values())[:MOST_TOLD])
     more = f" (and {len(troubles) - MOST_TOLD} more)" if len(troubles) > MOST_TOLD else ""
     if not fit:
         first = next(iter(troubles.values()))
-        return state, (Reply(message=refused(Reason(first.code, told + more))),)
+        return state, (Reply(message=refused(Reason(first.code, sentences + more))),)
     state = moving.held_again(state)
-    new = fit - state.on
+    switched = fit - state.on
     strength = {name: share for name, share in state.strength.items() if name not in fit}
     state = replace(_held(state, fit, now), strength=strength)
-    outputs = (*setpoint(state), *_told(state, event.source, new, on=True), _reply(told + more, *troubles.values()))
+    outputs = (
+        *setpoint(state),
+        *_switch_events(state, event.source, switched, on=True),
+        _reply(sentences + more, *troubles.values()),
+    )
     return state, outputs
 
 
@@ -43,29 +47,31 @@ def _off(state: State, event: Torque, names: tuple[str, ...], now: float) -> Dec
     released = state.on & frozenset(names)
     state = replace(without(state, released), unread=state.unread - frozenset(names), lost=False)
     state, ended = end_what_is_over(state, now)
-    return state, (*setpoint(state), *ended, *_told(state, event.source, released, on=False), _reply())
+    return state, (*setpoint(state), *ended, *_switch_events(state, event.source, released, on=False), _reply())
 
 
 def strengthen(state: State, source: str, strengths: Mapping[str, float], now: float) -> Decision:
     """Return the state in which joints have so much torque from now on; those without get it where they are."""
-    new = frozenset(strengths) - state.on
+    switched = frozenset(strengths) - state.on
     strengths = {**state.strength, **strengths}
-    if not new:
+    if not switched:
         return replace(state, strength=strengths), ()
-    state = replace(_held(state, new, now), strength=strengths)
-    return state, _told(state, source, new, on=True)
+    state = replace(_held(state, switched, now), strength=strengths)
+    return state, _switch_events(state, source, switched, on=True)
 
 
 def not_to_be_held(state: State, name: str, now: float) -> Reason | None:
     """Say why a joint cannot be held where it is, or nothing."""
     if why := joint_trouble(state, name, now):
         return why
-    here = position_rad(state, name)
+    present_rad = position_rad(state, name)
     joint = state.body.joints[name]
-    if here is None or state.body.beyond_rad(name, here) <= moving.MARGIN_RAD or name in state.on:
+    if present_rad is None or state.body.beyond_rad(name, present_rad) <= moving.MARGIN_RAD or name in state.on:
         return None
     limits = f"{joint.lower_rad:g} to {joint.upper_rad:g} rad"
-    return Reason("limit", f"{name} is at {here:.2f} rad, outside its limits ({limits}): bring it there by hand first")
+    return Reason(
+        "limit", f"{name} is at {present_rad:.2f} rad, outside its limits ({limits}): bring it there by hand first"
+    )
 
 
 def _held(state: State, names: frozenset[str], now: float) -> State:
@@ -124,7 +130,7 @@ def _known(state: State, now: float) -> Reason | None:
     return None if state.adopted else servos_trouble(state, now) or NOT_ADOPTED
 
 
-def _told(state: State, source: str, names: Iterable[str], *, on: bool) -> tuple[Happened, ...]:
+def _switch_events(state: State, source: str, names: Iterable[str], *, on: bool) -> tuple[Happened, ...]:
     changed = [name for name in state.body.joints if name in set(names)]
     if not changed:
         return ()

@@ -17,7 +17,7 @@ def joints_state(state: State, now: float, loop: LoopStatistics | None = None) -
     """Return every joint out of the newest sweep, who moves them, and why they stand still."""
     lease, servos = state.leases.live, state.servos
     move = lease.motion if lease is not None else None
-    told = move.stored if move is not None else None
+    order = move.stored if move is not None else None
     targets = move.under_way() if move is not None else {}
     why = None if lease is not None else _why_at_rest(state, now)
     return JointsState(
@@ -29,8 +29,8 @@ def joints_state(state: State, now: float, loop: LoopStatistics | None = None) -
         holder=lease.source if lease else None,
         goal=move.goal if move else None,
         passed=_passed(move),
-        stored=told.motion.slot if told is not None else None,
-        left_s=round(stored.left_s(told, now), 2) if told is not None else None,
+        stored=order.motion.slot if order is not None else None,
+        left_s=round(stored.left_s(order, now), 2) if order is not None else None,
         feet_s=round(max(0.0, feet.left_s(state.feet, now)), 2) if state.feet is not None else None,
         stopped_s=state.leases.stopped if isfinite(state.leases.stopped) else None,
         stopped_by=state.leases.stopped_by,

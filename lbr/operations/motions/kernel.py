@@ -49,10 +49,10 @@ def decide(state: State, event: Event, now: float) -> Decision:
     """Return the state after an event and what is to be said; whatever is over by `now` ends before the event
     counts."""
     if now >= state.clock:
-        held, said = ending.lapse(state.leases, now)
+        held, reports = ending.lapse(state.leases, now)
     else:
-        held, said = ending.lose_time(state.leases, BACK, state.clock, now)
-    state, outputs = _told(replace(state, leases=held, clock=now), said, now)
+        held, reports = ending.lose_time(state.leases, BACK, state.clock, now)
+    state, outputs = _take(replace(state, leases=held, clock=now), reports, now)
     state, more = _handle(state, event, now)
     state, fed = _feed(state, now)
     return state, outputs + more + fed
@@ -65,12 +65,12 @@ def _handle(state: State, event: Event, now: float) -> Decision:
             state, outputs = _play(state, event, now)
             decision = state, ended + outputs
         case Stop():
-            held, said = leasing.stop(state.leases, event, now)
-            state, outputs = _told(replace(state, leases=held), said, now)
+            held, reports = leasing.stop(state.leases, event, now)
+            state, outputs = _take(replace(state, leases=held), reports, now)
             decision = state, (*_halted(outputs, event), leasing.STOPPED)
         case EstopChanged():
-            held, said = leasing.latch(state.leases, event, now)
-            decision = _told(replace(state, leases=held), said, now)
+            held, reports = leasing.latch(state.leases, event, now)
+            decision = _take(replace(state, leases=held), reports, now)
         case Accepted():
             decision = _accepted(state, event, now)
         case Lost():
@@ -99,7 +99,7 @@ def _play(state: State, event: Play, now: float) -> Decision:
     playing = Playing(goal=event.new_goal, programme=event.programme, started=now)
     if ask.wants == "offer":
         held, said = leasing.grant(state.leases, ask, playing)
-        state, outputs = _told(replace(state, leases=held), said, now)
+        state, outputs = _take(replace(state, leases=held), said, now)
         return state, (*outputs, leasing.accepted(leasing.lent(held, ask), goal=playing.goal))
     return _begin(state, ask, playing)
 
@@ -129,7 +129,7 @@ def _begin(state: State, ask: Ask[Playing], playing: Playing) -> Decision:
         playing = replace(playing, goal=ask.confirms.motion.goal)
     before, now = state.lease, ask.now
     held, said = leasing.grant(state.leases, ask, playing)
-    state, outputs = _told(replace(state, leases=held), said, now, goes_on=True)
+    state, outputs = _take(replace(state, leases=held), said, now, goes_on=True)
     assert state.lease is not None
     if ask.wants == "change" and before is not None and before.motion.asked:
         outputs = (*outputs, Answer(message=refused(leasing.ANOTHER)))
@@ -205,7 +205,7 @@ def _joints_stopped(state: State, event: JointsStopped, now: float) -> Decision:
     earlier = tuple(offer for offer in held.offers if not offer.asked_s > event.at)
     held = replace(held, stopped=max(held.stopped, min(event.at, now)))
     held, said = ending.drop_offers(held, earlier, "stopped", event.why)
-    state, outputs = _told(replace(state, leases=held), said, now)
+    state, outputs = _take(replace(state, leases=held), said, now)
     lease = state.lease
     if lease is None or lease.asked_s > event.at:
         return state, outputs
@@ -259,10 +259,10 @@ def _ahead_s(playing: Playing) -> float:
 
 def _end(state: State, how: Ending, why: Reason, now: float) -> Decision:
     held, said = ending.end(state.leases, how, why, now)
-    return _told(replace(state, leases=held), said, now)
+    return _take(replace(state, leases=held), said, now)
 
 
-def _told(state: State, said: ending.Said[Playing], now: float, *, goes_on: bool = False) -> Decision:
+def _take(state: State, said: ending.Said[Playing], now: float, *, goes_on: bool = False) -> Decision:
     """Return what follows from the end of holds; `goes_on`: another motion begins at once with the same joints."""
     outputs: Outputs = ()
     for one in said:

@@ -86,15 +86,15 @@ class Programme(Struct, frozen=True):
         """Return the key frames from `start` on that fit into one message; none where the controller plays."""
         if self.stored(start) is not None:
             return ()
-        found: list[KeyFrame] = []
+        frames: list[KeyFrame] = []
         size = 0
         for index in range(start, min(start + MOST_SENT, self.leg_end(start))):
             frame = self.at(index)
             size += len(msgspec.json.encode(frame))
-            if found and size > MOST_BYTES:
+            if frames and size > MOST_BYTES:
                 break
-            found.append(frame)
-        return tuple(found)
+            frames.append(frame)
+        return tuple(frames)
 
     def _find(self, index: int) -> tuple[Motion, Place]:
         before, body, after = _steps(self.lead_in), _steps(self.motion), _steps(self.lead_out)

@@ -42,7 +42,7 @@ class Power(Capability[PowerSettings]):
         self._publish_at = -inf
         self._told_at: dict[str, float] = {}
         self._health = ""
-        armed, warn_v, shutdown_v = self._kept()
+        armed, warn_v, shutdown_v = self._stored_thresholds()
         self._watch = begin(armed=armed, warn_v=warn_v, shutdown_v=shutdown_v, now=ctx.clock())
 
     def open(self) -> None:
@@ -57,7 +57,7 @@ class Power(Capability[PowerSettings]):
             self._happen(Reading(received.message), received.arrived)
         if self._logind is not None:
             for answer in self._logind.answers():
-                self._heard(answer)
+                self._take_answer(answer)
         if self._parking is not None:
             self._parking.step()
             if self._parking.done:
@@ -99,17 +99,17 @@ class Power(Capability[PowerSettings]):
         if logind is not None:
             logind.close()
 
-    def _kept(self) -> tuple[bool, float, float]:
+    def _stored_thresholds(self) -> tuple[bool, float, float]:
         """Return what was kept of an earlier run, or else the settings; numbers that cannot be are told and left
         out."""
-        kept, settings = values(self.ctx.rows(CalibrationValue)), self.ctx.settings
-        warn_v, shutdown_v = kept.get("warn_v", settings.warn_v), kept.get("shutdown_v", settings.shutdown_v)
+        stored, settings = values(self.ctx.rows(CalibrationValue)), self.ctx.settings
+        warn_v, shutdown_v = stored.get("warn_v", settings.warn_v), stored.get("shutdown_v", settings.shutdown_v)
         if not (isfinite(warn_v) and 0.0 < shutdown_v <= warn_v <= 100.0):
             text = f"thresholds {warn_v:g} V and {shutdown_v:g} V beside device '{settings.device}' cannot be used; "
             text += f"{settings.warn_v:g} V and {settings.shutdown_v:g} V are, until it is armed again"
             self.ctx.event("thresholds_unusable", text, level="warning")
             warn_v, shutdown_v = settings.warn_v, settings.shutdown_v
-        return kept.get("armed", float(settings.armed)) != 0.0, warn_v, shutdown_v
+        return stored.get("armed", float(settings.armed)) != 0.0, warn_v, shutdown_v
 
     def _happen(self, event: Event, at: float | None = None) -> None:
         self._watch, tasks = decide(self._watch, event, self.ctx.clock() if at is None else at, self.ctx.settings)
@@ -156,11 +156,11 @@ class Power(Capability[PowerSettings]):
         """Ask whether the computer may be powered off, and later again as long as it may not."""
         self._ask_at = inf
         if self._pretends:
-            self._heard(Answer("CanPowerOff", "not asked, because the supply is emulated"))
+            self._take_answer(Answer("CanPowerOff", "not asked, because the supply is emulated"))
         else:
             self._ask("CanPowerOff")
 
-    def _heard(self, answer: Answer) -> None:
+    def _take_answer(self, answer: Answer) -> None:
         if answer.question == "PowerOff":
             self._happen(Answered(answer.trouble))
             return
@@ -169,7 +169,7 @@ class Power(Capability[PowerSettings]):
             if answer.trouble != self._can_trouble:
                 text = f"this computer cannot be powered off from here: {answer.trouble}"
                 self.ctx.event("power_off_denied", text, level="warning")
-        self._can, self._can_trouble = answer.said or "unknown", answer.trouble
+        self._can, self._can_trouble = answer.word or "unknown", answer.trouble
 
     def _reply(self) -> None:
         """Answer who armed, once it is known what that is worth."""
@@ -179,14 +179,14 @@ class Power(Capability[PowerSettings]):
             self._waiting.remove((call, until))
             call.reply(CommandReply(accepted=True, reason=self._summary()))
 
-    def _tell(self, told: Told) -> None:
+    def _tell(self, news: Told) -> None:
         now = self.ctx.clock()
-        if told.kind in REPEATED and now - self._told_at.get(told.kind, -inf) < self.ctx.settings.repeat_s:
+        if news.kind in REPEATED and now - self._told_at.get(news.kind, -inf) < self.ctx.settings.repeat_s:
             return
-        self._told_at[told.kind] = now
-        self.ctx.event(told.kind, told.text, level=told.level, code="done" if told.about else "", about=told.about)
-        if told.kind in SPOKEN and self.ctx.targets("say"):
-            self.ctx.ask("say", SayCommand(text=told.text), timeout_s=SAY_WITHIN_S)  # speech says what goes wrong
+        self._told_at[news.kind] = now
+        self.ctx.event(news.kind, news.text, level=news.level, code="done" if news.about else "", about=news.about)
+        if news.kind in SPOKEN and self.ctx.targets("say"):
+            self.ctx.ask("say", SayCommand(text=news.text), timeout_s=SAY_WITHIN_S)  # speech says what goes wrong
 
     def _publish(self) -> None:
         now, before = self.ctx.clock(), self._shown

@@ -25,10 +25,10 @@ _END_S = 0.2
 
 
 class Answer(NamedTuple):
-    """The answer of logind: `said` is its word or nothing, `trouble` why it will not power off, for people."""
+    """The answer of logind: `word` is what it says or nothing, `trouble` why it will not power off, for people."""
 
     question: Question
-    said: str = ""
+    word: str = ""
     trouble: str = ""
 
 
@@ -66,14 +66,14 @@ class Logind:
 def ask(address: str, question: Question, timeout_s: float) -> Answer:
     """Ask and wait for the answer; whatever goes wrong is one. `address` is that of a D-Bus, empty for the system's."""
     try:
-        said = asyncio.run(asyncio.wait_for(_call(address, question), timeout_s))
+        reply = asyncio.run(asyncio.wait_for(_call(address, question), timeout_s))
     except TimeoutError:
         return Answer(question, trouble=f"logind does not answer within {timeout_s:g} s")
     except Exception as err:  # noqa: BLE001 - the library has many; none may end the process, each is told
         where = address or "the system's D-Bus"
         why = getattr(err, "strerror", "") or err or type(err).__name__
         return Answer(question, trouble=f"logind cannot be asked at {where}: {why}")
-    return said if isinstance(said, Answer) else Answer(question, said, meaning(said) if said else "")
+    return reply if isinstance(reply, Answer) else Answer(question, reply, meaning(reply) if reply else "")
 
 
 def meaning(said: str) -> str:
@@ -102,9 +102,9 @@ async def _call(address: str, question: Question) -> Answer | str:
 
 def _refused(reply: Any) -> str:
     name = str(getattr(reply, "error_name", "") or "no answer")
-    said = str(reply.body[0]) if reply is not None and reply.body else ""
+    text = str(reply.body[0]) if reply is not None and reply.body else ""
     if name.rpartition(".")[2] in DENIED:
-        return f"polkit does not let this user power off ({said or name}); {HOW}"
+        return f"polkit does not let this user power off ({text or name}); {HOW}"
     if name.endswith((".ServiceUnknown", ".NameHasNoOwner")):
         return "no logind answers on this D-Bus; systemd-logind has to run"
-    return f"logind refuses: {said or name}"
+    return f"logind refuses: {text or name}"

@@ -63,14 +63,14 @@ class Arm:
     armed: bool
     warn_v: float | None = None
     shutdown_v: float | None = None
-    who: str = ""
+    sender: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Cancel:
     """A sender cancels a shutdown."""
 
-    who: str
+    sender: str
 
 
 @dataclass(frozen=True, slots=True)

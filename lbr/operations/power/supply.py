@@ -9,10 +9,10 @@ from lbr.operations.power import PowerSettings
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """The voltage that counts, and its thresholds; `what` is whose it is. With `trouble` no voltage counts."""
+    """The voltage that counts, and its thresholds; `source` is whose it is. With `trouble` no voltage counts."""
 
     trouble: str = ""
-    what: str = ""
+    source: str = ""
     volts: float = 0.0
     warn_v: float = 0.0
     shutdown_v: float = 0.0
@@ -40,9 +40,9 @@ class View:
         return not self.trouble and not self.backed and self.volts >= self.warn_v + self.hysteresis_v
 
     @property
-    def said(self) -> str:
+    def text(self) -> str:
         """The voltage in words."""
-        return self.trouble or f"{self.what} {self.volts:.2f} V"
+        return self.trouble or f"{self.source} {self.volts:.2f} V"
 
 
 def look(ups: UpsState, warn_v: float, shutdown_v: float, settings: PowerSettings) -> View:
@@ -58,5 +58,5 @@ def look(ups: UpsState, warn_v: float, shutdown_v: float, settings: PowerSetting
     if battery_v is None or not isfinite(battery_v) or battery_v <= 0.0:
         return View(trouble="the external supply is disconnected, and the battery was not measured")
     warn_v, shutdown_v = settings.battery_warn_v, settings.battery_shutdown_v
-    what = "the external supply is disconnected; battery"
-    return View("", what, battery_v, warn_v, shutdown_v, settings.battery_hysteresis_v, backed=True)
+    source = "the external supply is disconnected; battery"
+    return View("", source, battery_v, warn_v, shutdown_v, settings.battery_hysteresis_v, backed=True)

@@ -74,7 +74,7 @@ def _read(watch: Watch, ups: UpsState, now: float, settings: PowerSettings) -> O
         return _troubled(watch, view, now, settings)
     if watch.view.backed != view.backed:  # the other source: what was counted of the one says nothing of it
         watch = replace(watch, low=None, well=None, wanting=None)
-    known: tuple[Told, ...] = (Told("supply_known", view.said, "info"),) if watch.silent else ()
+    known: tuple[Told, ...] = (Told("supply_known", view.text, "info"),) if watch.silent else ()
     watch = replace(
         watch,
         view=view,
@@ -93,10 +93,10 @@ def _read(watch: Watch, ups: UpsState, now: float, settings: PowerSettings) -> O
 def _warn(watch: Watch, settings: PowerSettings) -> Outcome:
     wanting = watch.wanting is not None and watch.wanting.samples >= settings.hold_samples
     if wanting and not watch.warned:
-        text = watch.view.said if watch.view.backed else f"{watch.view.said}, below {watch.view.warn_v:g} V"
+        text = watch.view.text if watch.view.backed else f"{watch.view.text}, below {watch.view.warn_v:g} V"
         return replace(watch, warned=True), (Told("supply_low", text + _unguarded(watch)),)
     if watch.view.fine and watch.warned:
-        return replace(watch, warned=False), (Told("supply_good", watch.view.said, "info"),)
+        return replace(watch, warned=False), (Told("supply_good", watch.view.text, "info"),)
     return watch, ()
 
 
@@ -148,13 +148,13 @@ def _next(watch: Watch, now: float, settings: PowerSettings) -> Outcome:
         case "failed":
             outcome = _try_again(watch, now, settings)
         case "disarmed":
-            outcome = replace(watch, reason=watch.view.said), ()
+            outcome = replace(watch, reason=watch.view.text), ()
     return outcome
 
 
 def _guard(watch: Watch, now: float, settings: PowerSettings) -> Outcome:
     if watch.view.low and not watch.cancelled and _low(watch, settings):
-        text = f"{watch.view.said}, below {watch.view.shutdown_v:g} V: the computer is shut down"
+        text = f"{watch.view.text}, below {watch.view.shutdown_v:g} V: the computer is shut down"
         text += f" in {settings.countdown_s:g} s unless it is cancelled"
         watch = replace(watch, phase="countdown", reason=text, until_s=now + settings.countdown_s)
         return watch, (Told("shutdown_countdown", text), "ask_can")
@@ -165,7 +165,7 @@ def _rest(watch: Watch) -> Watch:
     """Return to watching, or to a warning."""
     phase: PowerPhase = "warning" if watch.warned or watch.silent or watch.cancelled else "watching"
     said = (
-        f"{watch.view.said}; the shutdown was cancelled until it is good again" if watch.cancelled else watch.view.said
+        f"{watch.view.text}; the shutdown was cancelled until it is good again" if watch.cancelled else watch.view.text
     )
     return replace(watch, phase=phase, reason=said, until_s=inf)
 
@@ -175,11 +175,11 @@ def _count(watch: Watch, now: float, settings: PowerSettings) -> Outcome:
         text = f"the countdown is off: {watch.view.trouble}"
         return _rest(watch), (Told("shutdown_off", text),)
     if _well(watch, settings):
-        return _rest(watch), (Told("shutdown_off", f"the countdown is off: {watch.view.said}", "info"),)
+        return _rest(watch), (Told("shutdown_off", f"the countdown is off: {watch.view.text}", "info"),)
     if now >= watch.until_s and watch.view.low:
         parking_s = settings.park_s + settings.let_go_s + MARGIN_S
-        watch = replace(watch, phase="parking", reason=watch.view.said, until_s=now + parking_s)
-        return watch, (Told("shutdown_parking", f"{watch.view.said}: parking, then shutting down"), "park")
+        watch = replace(watch, phase="parking", reason=watch.view.text, until_s=now + parking_s)
+        return watch, (Told("shutdown_parking", f"{watch.view.text}: parking, then shutting down"), "park")
     return watch, ()
 
 
@@ -211,7 +211,7 @@ def _answered(watch: Watch, trouble: str, now: float, settings: PowerSettings) -
 
 def _try_again(watch: Watch, now: float, settings: PowerSettings) -> Outcome:
     if _well(watch, settings):
-        return _rest(watch), (Told("shutdown_off", f"no shutdown any more: {watch.view.said}", "info"),)
+        return _rest(watch), (Told("shutdown_off", f"no shutdown any more: {watch.view.text}", "info"),)
     if now >= watch.until_s and watch.view.low and _low(watch, settings):
         return _power_off(watch, "", now, settings)
     return watch, ()
@@ -229,13 +229,13 @@ def _arm(watch: Watch, event: Arm) -> Outcome:
     text = (
         f"warns below {warn_v:g} V, shuts down below {shutdown_v:g} V" if event.armed else "shuts nothing down any more"
     )
-    told = Told("armed" if event.armed else "disarmed", f"{event.who}: {text}", "info", about=event.who)
+    news = Told("armed" if event.armed else "disarmed", f"{event.sender}: {text}", "info", about=event.sender)
     if not event.armed:
         stop: tuple[Task, ...] = ("stop_parking",) if watch.phase == "parking" else ()
-        return replace(watch, phase="disarmed", reason=text, until_s=inf, cancelled=False), (told, "keep", *stop)
+        return replace(watch, phase="disarmed", reason=text, until_s=inf, cancelled=False), (news, "keep", *stop)
     if watch.phase == "disarmed" or (moved and watch.phase == "countdown"):
         watch = _rest(watch)
-    return watch, (told, "keep", "ask_can")
+    return watch, (news, "keep", "ask_can")
 
 
 def _cancel(watch: Watch, event: Cancel) -> Outcome:
@@ -243,7 +243,7 @@ def _cancel(watch: Watch, event: Cancel) -> Outcome:
         return watch, ()
     stop: tuple[Task, ...] = ("stop_parking",) if watch.phase == "parking" else ()
     watch = _rest(replace(watch, cancelled=True))
-    return watch, (Told("shutdown_cancelled", f"{event.who} cancelled the shutdown; {watch.view.said}"), *stop)
+    return watch, (Told("shutdown_cancelled", f"{event.sender} cancelled the shutdown; {watch.view.text}"), *stop)
 
 
 def _low(watch: Watch, settings: PowerSettings) -> bool:

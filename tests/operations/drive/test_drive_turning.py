@@ -272,12 +272,12 @@ def test_from_another_machine_a_turn_begins_only_when_its_lease_is_quoted(body):
 
 def test_a_check_is_shown_the_spin_and_what_was_asked():
     settings = DriveSettings()
-    left = command.shown("page", TurnCommand(angle_deg=-30.0), settings)
+    left = command.check_request("page", TurnCommand(angle_deg=-30.0), settings)
     assert (left.command.power, left.command.angle_deg, left.turn.angle_deg) == (0.2, -90.0, -30.0)
-    there = command.shown("page", HeadingCommand(heading_deg=270.0), settings)
+    there = command.check_request("page", HeadingCommand(heading_deg=270.0), settings)
     assert (there.command.power, there.heading.heading_deg, there.turn) == (0.2, 270.0, None)
     plain = DriveCommand(power=0.4)
-    assert command.shown("page", plain, settings).command is plain
+    assert command.check_request("page", plain, settings).command is plain
 
 
 # what ends them

@@ -191,7 +191,7 @@ def test_a_twist_of_zero_stops():
 def test_users_checks_see_a_twist():
     settings = DriveSettings()
     twist = TwistCommand(vx_mps=0.3, wz_rps=0.5)
-    told = command.shown("page", twist, settings)
+    told = command.check_request("page", twist, settings)
     assert told.twist is twist
     assert told.command == DriveCommand(power=told.command.power, angle_deg=0.0)
 

@@ -292,7 +292,7 @@ def test_a_voltage_between_the_thresholds_warns_once():
 def test_disarming_ends_it_at_any_moment_for_certain(phase):
     bench = bench_in(phase)
     before = bench.done.count("power_off")
-    bench.happen(Arm(armed=False, who="console"))
+    bench.happen(Arm(armed=False, sender="console"))
     bench.read(*[LOW] * 60)
     bench.happen(Parked())
     assert bench.watch.phase == "disarmed"

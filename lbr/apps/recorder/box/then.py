@@ -23,7 +23,7 @@ def snapshot(moment: Moment) -> Snapshot:
         facts=facts,
         executive="up" if moment.late_s <= SILENT_S else "down",
         status=moment.status,
-        said={topic: Said(message=message, age_s=age_s) for topic, (message, age_s) in moment.said.items()},
+        messages={topic: Said(message=message, age_s=age_s) for topic, (message, age_s) in moment.said.items()},
         events=moment.events,
         wall_ns=moment.at_ns,
     )
