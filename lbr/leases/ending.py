@@ -14,12 +14,10 @@ from lbr.leases.lease import (
     Level,
     M,
     PersistentSender,
-    Result,
     Tally,
 )
 from lbr.leases.rules import PERSISTENT_S
 from lbr.messages.codes import Reason
-from lbr.messages.drive import GoalResult
 
 Said = tuple[Ended[M] | Happened, ...]
 Decision = tuple[LeaseTable[M], Said[M]]
@@ -90,22 +88,6 @@ def happened(ended: Ended[M], kind: str = "") -> Happened:
         level=level,
         code=ended.why.code,
         about=ended.lease.source,
-    )
-
-
-def result(ended: Ended[M], goal: str, began: float, now: float) -> Result:
-    """Return the result of a goal that ended with its lease."""
-    why = ended.why
-    return Result(
-        message=GoalResult(
-            goal=goal,
-            result=ended.how,
-            reason=why.text,
-            code=why.code,
-            cause=why.cause,
-            note=why.note,
-            elapsed_s=round(max(0.0, now - began), 3),
-        )
     )
 
 

@@ -7,6 +7,7 @@ from lbr.leases.lease import Ended, Happened, LeaseTable, Stop
 from lbr.operations.joints import feet, moving, stored
 from lbr.operations.joints.move import Move
 from lbr.operations.joints.state import Outputs, State, servos_trouble
+from lbr.operations.results import goal_result
 
 Decision = tuple[State, Outputs]
 Decided = tuple[LeaseTable[Move], ending.Said[Move]]
@@ -51,7 +52,7 @@ def take(state: State, decided: Decided, now: float, stop: Stop | None = None, *
         if each.held and not _unremarkable(each):
             outputs = (*outputs, ending.happened(each))
         move = each.lease.motion
-        outputs = (*outputs, ending.result(each, move.goal, move.begun, now))
+        outputs = (*outputs, goal_result(each, move.goal, move.begun, now))
     return replace(state, leases=held), outputs
 
 

@@ -95,8 +95,8 @@ class State(Struct, frozen=True, kw_only=True):
 
     `on` are the joints with torque, `goals` where each of them is to be now, in its own radians (None: where it is),
     and `strength` what is not all of that torque, as a fraction. Nothing is known of either until the driver was heard
-    (`adopted`; `begun`: it once was); until then it is told nothing. `heard_since` says since when the driver is there,
-    `switched` when torque was last switched on. Joints released at `released_at` are `resting`: the driver is to hear
+    (`adopted`; `begun`: it once was); until then it is told nothing. Times: the driver was there since `heard_since`,
+    torque was last switched on at `switched`. Joints released at `released_at` are `resting`: the driver is to hear
     of them without torque before it hears of them with it again. Of `unread` it is not known yet whether they have
     torque. `lost`: their mover is gone, and the driver decides. `halt` counts how often all were to hold where they
     were measured, `count` what the controller was told to play; until `waited` it passed no goals on. `feet`: it was

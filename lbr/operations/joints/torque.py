@@ -75,7 +75,7 @@ def not_to_be_held(state: State, name: str, now: float) -> Reason | None:
 
 
 def _held(state: State, names: frozenset[str], now: float) -> State:
-    """Return the state in which these joints have torque; those that had none are held where they are."""
+    """Return the state in which these joints have torque; new ones are held where they are."""
     goals = {**state.goals, **{name: moving.measured(state, name) for name in names - state.on}}
     return replace(state, on=state.on | names, goals=goals, unread=state.unread - names, switched=now)
 

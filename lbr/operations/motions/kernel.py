@@ -30,6 +30,7 @@ from lbr.operations.motions.state import (
     State,
     Tick,
 )
+from lbr.operations.results import goal_result
 
 Decision = tuple[State, Outputs]
 ANSWER_S = 1.5
@@ -272,16 +273,16 @@ def _take(state: State, said: ending.Said[Playing], now: float, *, goes_on: bool
 
 def _ended(ended: Ended[Playing], now: float, *, goes_on: bool) -> Outputs:
     playing = ended.lease.motion
-    result = ending.result(ended, playing.goal, playing.started, now)
+    end = goal_result(ended, playing.goal, playing.started, now)
     if not ended.held:
-        return (result,)
+        return (end,)
     halt = Halt(why=ended.why.text, lost=ended.how == "lapsed", at_once=ended.why.code == "fallen")
     joints: Outputs = (Abandon(),) if ended.how == "reached" or playing.lost else (halt,)
     joints = () if goes_on else joints
     if playing.asked:
         return (*joints, Answer(message=refused(ended.why)))
     kind = "played" if ended.how == "reached" else ended.how
-    return (*joints, result, ending.happened(ended, kind))
+    return (*joints, end, ending.happened(ended, kind))
 
 
 def _halted(outputs: Outputs, event: Stop) -> Outputs:

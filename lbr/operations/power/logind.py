@@ -25,7 +25,7 @@ _END_S = 0.2
 
 
 class Answer(NamedTuple):
-    """The answer of logind: `word` is what it says or nothing, `trouble` why it will not power off, for people."""
+    """The answer of logind: `word` or nothing, and `trouble`: the reason not to power off, for people."""
 
     question: Question
     word: str = ""

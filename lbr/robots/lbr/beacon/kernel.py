@@ -23,6 +23,7 @@ from lbr.leases.lease import (
 )
 from lbr.messages.beacon import Manoeuvre
 from lbr.messages.codes import Reason
+from lbr.operations.results import goal_result
 
 PHRASING = Phrasing(
     noun="the search for the dock", rest="stop, or pause, before going on", idle="nothing was looked for yet"
@@ -155,5 +156,5 @@ def _ended(state: State, ends: ending.Said[Seeking], now: float, *, by: str = ""
             state = replace(state, why=ended.why)
             outputs += (Halt(why=ended.why.text, lost=ended.how == "lapsed", by=by),)
         seeking = ended.lease.motion
-        outputs += (ending.result(ended, seeking.goal, seeking.started, now),)
+        outputs += (goal_result(ended, seeking.goal, seeking.started, now),)
     return state, outputs
