@@ -10,8 +10,8 @@ MEANT = {
 }
 
 
-def in_words(sentence: str) -> str:
+def in_words(said: str) -> str:
     """Return what msgspec says against a value, with words for the expressions that are known."""
     for pattern, meant in MEANT.items():
-        sentence = sentence.replace(f"`str` matching regex {pattern!r}", meant)
-    return sentence
+        said = said.replace(f"`str` matching regex {pattern!r}", meant)
+    return said
