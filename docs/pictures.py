@@ -40,6 +40,7 @@ def address(robot: Robot) -> str:
 def shown(browser: Browser, robot: Robot, size: dict[str, int], theme: str, language: str = "en-GB") -> Iterator[Page]:
     """Open a robot's page, and wait until it is drawn."""
     context = browser.new_context(viewport=size, color_scheme=theme, locale=language, has_touch=size is PHONE)  # type: ignore[arg-type]
+    context.add_init_script("localStorage.setItem('lbr.solid', 'true')")  # no graphics card draws here
     page = context.new_page()
     page.set_default_timeout(SLOWLY_MS)
     page.goto(address(robot))

@@ -24,6 +24,8 @@ PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobil
 DESK = {"viewport": {"width": 1280, "height": 900}}
 READY = '.joints-stage[data-ready="true"]'
 WHERE = "joint => document.querySelector('canvas').stage.whereIs(joint)"
+SOLID = "localStorage.setItem('lbr.solid', 'true')"
+"""This browser's user chose three dimensions, which no graphics card draws here."""
 NO_WEBGL = "HTMLCanvasElement.prototype.getContext = () => null"
 SOFT = ("--no-sandbox", "--enable-unsafe-swiftshader")
 LONG_MS = 20_000
@@ -64,15 +66,14 @@ def opened(browser, served, robot) -> Iterator[Callable[..., Page]]:
     errors: list[str] = []
     contexts: list[Any] = []
 
-    def page(view: str, size: dict[str, Any], script: str = "") -> Page:
+    def page(view: str, size: dict[str, Any], script: str = SOLID) -> Page:
         context = browser.new_context(**size, locale="en-GB")
         contexts.append(context)
         found = context.new_page()
         found.on("pageerror", lambda err: errors.append(str(err)))
-        if script:
-            found.add_init_script(script)
+        found.add_init_script(script)
         found.goto(f"{served[1]}/#{view}")
-        if view == "joints" and not script:
+        if view == "joints" and script == SOLID:
             expect(found.locator(READY)).to_be_visible(timeout=LONG_MS)
         return found
 
@@ -197,12 +198,25 @@ def test_an_overload_is_said_in_words_and_can_be_recovered(opened, robot):
     expect(row).not_to_have_attribute("data-tone", "fault")
 
 
-def test_without_webgl_the_body_is_drawn_flat(opened, robot):
-    page = opened("joints", DESK, NO_WEBGL)
-    limb = page.locator(".joints-flat polygon").last
-    expect(limb).to_be_attached(timeout=LONG_MS)
+def test_without_a_graphics_card_the_body_is_flat_until_its_user_wants_three_dimensions(opened, robot):
+    page = opened("joints", DESK, "")
+    expect(page.locator(".joints-flat polygon").last).to_be_attached(timeout=LONG_MS)
     page.locator(".joints-flat polygon").first.dispatch_event("click")
     expect(page.locator(".joints-details")).to_be_visible()
+    page.get_by_role("button", name="Show in 3D").click()
+    expect(page.locator(READY)).to_be_visible(timeout=LONG_MS)
+    page.reload()
+    expect(page.locator(READY)).to_be_visible(timeout=LONG_MS)
+    page.get_by_role("button", name="Flat").click()
+    expect(page.locator(".joints-flat polygon").last).to_be_attached()
+    expect(page.locator("canvas")).to_have_count(0)
+
+
+def test_without_webgl_the_body_is_flat_whatever_was_chosen(opened, robot):
+    page = opened("joints", DESK, f"{SOLID}; {NO_WEBGL}")
+    expect(page.get_by_text("This browser has no 3D")).to_be_visible(timeout=LONG_MS)
+    expect(page.locator(".joints-flat polygon").last).to_be_attached()
+    expect(page.get_by_role("button", name="Show in 3D")).to_have_count(0)
 
 
 def test_a_refusal_has_the_button_that_mends_it(opened, robot):

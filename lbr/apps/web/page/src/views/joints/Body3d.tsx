@@ -1,14 +1,15 @@
-// The body on a canvas: three is loaded when this is first shown; without WebGL the same body is drawn flat.
+// The body on a canvas: three is loaded when this is first shown. Until then, and without a graphics card, the same body is drawn flat.
 import { useEffect, useRef, useState } from "preact/hooks";
 import { listen } from "../../live";
 import { Button, Segments } from "../../parts";
 import { streamOfType } from "../../robot";
 import { t } from "../../words";
 import type { AttitudeState } from "../../messages";
-import { Flat } from "./Flat";
+import { Flat, Outline } from "./Flat";
 import { listenJoints } from "./hooks";
 import type { BodyModel, JointsState } from "./model";
 import { aims } from "./mover";
+import { choose, hasCard, solid } from "./solid";
 import type { Colours, Stage } from "./stage";
 import { goals, positions, tones } from "./state";
 
@@ -36,7 +37,7 @@ export function Body3d(props: Props) {
   const stage = useRef<Stage | null>(null);
   const newest = useRef(props);
   newest.current = props;
-  const [flat, goFlat] = useState(false);
+  const [failed, fail] = useState(false);
   const [ready, setReady] = useState(false);
   const [mode, setMode] = useState<"look" | "pose">(() => (coarse() ? "look" : "pose"));
   const { model, streams, selected, may } = props;
@@ -44,11 +45,11 @@ export function Body3d(props: Props) {
   const drags = may && mode === "pose";
 
   useEffect(() => {
+    if (!solid.value) return undefined;
     let ended = false;
     const ends: (() => void)[] = [];
-    void import("./stage").then(({ Stage: Made, drawable }) => {
+    void import("./stage").then(({ Stage: Made }) => {
       if (ended || !canvas.current) return;
-      if (!drawable()) return goFlat(true);
       const made = new Made(canvas.current, model, stageColours(), {
         onPick: (joint) => newest.current.onPick(joint),
         onDrag: (joint, rad) => newest.current.onDrag(joint, rad),
@@ -73,21 +74,23 @@ export function Body3d(props: Props) {
       const changed = (): void => made.setColours(stageColours());
       scheme.addEventListener("change", changed);
       ends.push(() => look.disconnect(), () => scheme.removeEventListener("change", changed), () => made.dispose());
-    }, () => goFlat(true)).catch(() => goFlat(true));
+    }).catch(() => fail(true));
     return () => {
       ended = true;
       ends.forEach((end) => end());
       stage.current = null;
+      setReady(false);
     };
-  }, [model, key]);
+  }, [model, key, solid.value]);
   useEffect(() => stage.current?.select(selected), [selected, ready]);
   useEffect(() => stage.current?.setDrag(drags), [drags, ready]);
 
-  if (flat) return <Flat model={model} streams={streams} selected={selected} onPick={props.onPick} />;
+  const outline = { model, streams, selected, onPick: props.onPick };
+  if (failed || !solid.value) return <Flat {...outline} failed={failed} />;
   return (
     <div class="joints-stage" data-ready={ready}>
       <canvas ref={canvas} class="joints-canvas" role="img" aria-label={t("joints.body", { robot: model.robot })} />
-      {!ready && <div class="joints-loading pulse" />}
+      {!ready && <div class="joints-flat joints-loading"><Outline {...outline} /></div>}
       <div class="joints-stage-top">
         {may && <Segments
           label={t("joints.mode")} value={mode} onChange={setMode}
@@ -96,6 +99,7 @@ export function Body3d(props: Props) {
       </div>
       <div class="joints-stage-side" role="group" aria-label={t("joints.sides")}>
         {(["front", "left", "back"] as const).map((side) => <Button key={side} kind="quiet" onClick={() => stage.current?.look(side)}>{t(`joints.from.${side}`)}</Button>)}
+        {!hasCard && <Button kind="quiet" onClick={() => choose(false)}>{t("joints.unsolid")}</Button>}
       </div>
       <p class="joints-stage-hint">{drags ? t("joints.hint.pose") : t("joints.hint.look")}</p>
     </div>

@@ -558,13 +558,3 @@ function turn(bone: Bone | undefined, model: BodyModel, angle: number): void {
   if (model.joints[bone.link.joint]?.kind === "slide") bone.hinge.position.set(x * angle, y * angle, z * angle);
   else bone.hinge.quaternion.setFromAxisAngle(new Vector3(x, y, z), angle);
 }
-
-/** Whether this browser can draw it at all. */
-export function drawable(): boolean {
-  try {
-    const canvas = document.createElement("canvas");
-    return (canvas.getContext("webgl2") ?? null) !== null;
-  } catch {
-    return false;
-  }
-}

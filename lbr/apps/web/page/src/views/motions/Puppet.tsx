@@ -1,9 +1,10 @@
 // The body as a puppet: it takes the pose that it is given, and a limb that is dragged tells where it was put.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { Icon } from "../../parts";
+import { Button, Icon } from "../../parts";
 import { t } from "../../words";
 import { stageColours } from "../joints/Body3d";
 import type { BodyModel } from "../joints/model";
+import { choose, solid } from "../joints/solid";
 import type { Stage } from "../joints/stage";
 import { Figure } from "./Figure";
 
@@ -16,14 +17,14 @@ export function Puppet(props: Props) {
   const stage = useRef<Stage | null>(null);
   const newest = useRef(props);
   newest.current = props;
-  const [flat, goFlat] = useState(false);
+  const [failed, fail] = useState(false);
   const [ready, setReady] = useState(false);
   const { model, pose, selected, drags, tilt, live } = props;
   useEffect(() => {
+    if (!solid.value) return undefined;
     let ended = false;
-    void import("../joints/stage").then(({ Stage: Made, drawable }) => {
+    void import("../joints/stage").then(({ Stage: Made }) => {
       if (ended || !canvas.current) return;
-      if (!drawable()) return goFlat(true);
       stage.current = new Made(canvas.current, model, stageColours(), {
         onPick: (joint) => newest.current.onPick(joint),
         onDrag: (joint, rad) => { newest.current.onDrag(joint, rad); return true; },
@@ -32,13 +33,13 @@ export function Puppet(props: Props) {
       (canvas.current as HTMLCanvasElement & { stage?: Stage }).stage = stage.current;
       stage.current.setTones(Object.fromEntries(Object.keys(model.joints).map((name) => [name, "limp" as const])));
       setReady(true);
-    }).catch(() => goFlat(true));
+    }).catch(() => fail(true));
     return () => {
       ended = true;
       stage.current?.dispose();
       stage.current = null;
     };
-  }, [model]);
+  }, [model, solid.value]);
   useEffect(() => {
     const zero = Object.fromEntries(Object.entries(model.joints).map(([name, range]) => [name, Math.min(range.upper ?? 0, Math.max(range.lower ?? 0, 0))]));
     stage.current?.setPose({ ...zero, ...pose }, {});
@@ -46,10 +47,12 @@ export function Puppet(props: Props) {
   useEffect(() => stage.current?.setTilt(tilt?.roll_rad ?? null, tilt?.pitch_rad ?? null), [tilt?.roll_rad, tilt?.pitch_rad, ready]);
   useEffect(() => stage.current?.select(selected), [selected, ready]);
   useEffect(() => stage.current?.setDrag(drags), [drags, ready]);
+  const flat = failed || !solid.value;
   return (
     <div class="joints-stage motions-puppet" data-ready={ready || flat}>
       {flat ? <Figure model={model} pose={pose} /> : <canvas ref={canvas} class="joints-canvas" role="img" aria-label={t("motions.puppet")} />}
       {live && <p class="motions-live"><Icon name="link" />{t("motions.live")}</p>}
+      {flat && !failed && <div class="joints-stage-side"><Button kind="quiet" onClick={() => choose(true)}>{t("joints.solid")}</Button></div>}
       {!flat && <p class="joints-stage-hint">{t(tilt ? "motions.puppet.simulated" : live ? "motions.puppet.live" : "motions.puppet.hint")}</p>}
     </div>
   );
