@@ -10,7 +10,7 @@ from lbr.capability import registry
 from lbr.commands import row_apply, row_past
 from lbr.commands.options import FileName, complete_robot, database_option, json_option, print_json
 from lbr.commands.row_past import local_time
-from lbr.commands.rows import judged, opened, said_by_kinds
+from lbr.commands.rows import judged, opened
 from lbr.database import copies
 from lbr.database import restore as restoring
 from lbr.database.shipped import differences
@@ -115,9 +115,7 @@ def diff(first: int | None, second: int | None, database: Path | None, as_json: 
     With revision A, show what has changed since then; with A and B, from one to the other (see 'lbr db history').
     """
     with opened(database) as rows:
-        differing = (
-            differences(rows, implied=said_by_kinds(rows)) if first is None else row_past.between(rows, first, second)
-        )
+        differing = differences(rows) if first is None else row_past.between(rows, first, second)
     if as_json:
         print_json(differing)
         return 0

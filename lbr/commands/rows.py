@@ -1,6 +1,5 @@
 """Opening a database for the commands that read rows."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,11 +8,10 @@ import click
 from lbr import home
 from lbr.commands.options import DEFAULT_PROFILE
 from lbr.database import store
-from lbr.database.checks import check
-from lbr.database.reading import Problem, RawRow
+from lbr.database.reading import Problem
 from lbr.database.rows import RobotRows
 from lbr.errors import InputError
-from lbr.executive.planning import planner, profile, words
+from lbr.executive.planning import planner, profile
 from lbr.executive.planning.hints import hints
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
@@ -63,19 +61,6 @@ def with_words(rows: RobotRows) -> RobotRows:
     """Return a robot's rows with the verbs that its kinds bring; as they are if they make no robot."""
     made, _ = planned(rows)
     return made.rows if made is not None else rows
-
-
-def said_by_kinds(database: "Database") -> Callable[[str, RawRow], bool]:
-    """Return what tells whether a row of a table is a verb that says no more than the robot's kinds do."""
-    tables, _ = database.tables()
-    same = {}
-    for name in database.robots():
-        made, _ = planned(database.load(name))
-        if made is not None:
-            verbs = check(tables, name).verbs
-            implied = words.implied(made.rows, made.kinds)
-            same[name] = {(row.word, row.pattern) for row in verbs if implied(row)}
-    return lambda table, row: table == "verb" and (row["word"], row["pattern"]) in same.get(str(row["robot"]), ())
 
 
 def problems_of(rows: RobotRows) -> tuple[Problem, ...]:

@@ -11,7 +11,8 @@ from pathlib import Path
 
 from msgspec import Struct
 
-from lbr.database import constraints
+from lbr.database import changes, constraints
+from lbr.database.changes import Change
 from lbr.database.checks import check
 from lbr.database.connection import Connection
 from lbr.database.reading import ROBOT, RawRow, RawTables
@@ -71,13 +72,17 @@ def rows_of(installed: Found, judge: Judge = lambda _rows: ()) -> RawTables:
         except ValueError as err:
             raise RowError((f"{label}, {path.name}, {err}",)) from err
         after, _ = read_tables(connection)
-    faults = tuple(_faults(installed.name, before, after, schema))
+    made = changes.between(before, after, schema)
+    faults = tuple(_faults(installed.name, made))
     if not faults:
         rows = check(after, installed.name, columns=schema)
         faults = tuple(map(str, rows.problems)) or tuple(judge(rows))
     if faults:
         raise RowError(tuple(f"{label}: {fault}" for fault in faults))
-    return {table: _added(table, before, after, schema) for table in schema}
+    added: dict[str, list[RawRow]] = {table: [] for table in schema}
+    for change in made:
+        added[change.table].append(change.after or {})
+    return added
 
 
 def _run(connection: Connection, schema: Schema, path: Path) -> None:
@@ -105,29 +110,13 @@ def _run(connection: Connection, schema: Schema, path: Path) -> None:
         connection.set_authorizer(None)
 
 
-def _faults(name: str, before: RawTables, after: RawTables, schema: Schema) -> Iterator[str]:
+def _faults(name: str, made: Iterable[Change]) -> Iterator[str]:
     """Yield a fault for each row of another robot that a package adds or changes."""
-    for table in schema:
-        known, now = (_by_key(table, rows, schema) for rows in (before, after))
-        for key, row in known.items():
-            if now.get(key) != row:
-                yield f"{table} '{_row_name(key)}' is not of this robot, and may not be changed"
-        for key, row in now.items():
-            owner = row["name"] if table == ROBOT else row.get("robot", name)
-            if key not in known and owner != name:
-                yield f"{table} '{_row_name(key)}' is of robot '{short(owner)}': a package brings rows of its own robot"
-    if name not in {row["name"] for row in after[ROBOT]}:
+    for change in made:
+        if change.before is not None:
+            yield f"{change.table} '{change.row}' is not of this robot, and may not be changed"
+        elif change.robot not in {None, name}:
+            text = f"is of robot '{short(change.robot)}': a package brings rows of its own robot"
+            yield f"{change.table} '{change.row}' {text}"
+    if not any((change.table, change.key) == (ROBOT, (name,)) for change in made):
         yield "there is no row of it in the table 'robot'"
-
-
-def _added(table: str, before: RawTables, after: RawTables, schema: Schema) -> list[RawRow]:
-    known = _by_key(table, before, schema)
-    return [row for key, row in _by_key(table, after, schema).items() if key not in known]
-
-
-def _by_key(table: str, rows: RawTables, schema: Schema) -> dict[tuple[object, ...], RawRow]:
-    return {tuple(row[name] for name in schema.keys_of[table]): row for row in rows[table]}
-
-
-def _row_name(key: tuple[object, ...]) -> str:
-    return "/".join(map(short, key))

@@ -2,7 +2,7 @@
 
 import sqlite3
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import closing
 from pathlib import Path
 
@@ -31,13 +31,10 @@ def shipped(sql: Path | None = None) -> tuple[RawTables, Schema]:
     }, schema
 
 
-def differences(
-    database: Database, sql: Path | None = None, *, implied: Callable[[str, RawRow], bool] = lambda _table, _row: False
-) -> tuple[Difference, ...]:
+def differences(database: Database, sql: Path | None = None) -> tuple[Difference, ...]:
     """Compare a database's rows with those of a new one, or of `sql` alone, table by table.
 
-    Of a robot that is not there at all, only that is told; of a row that is `implied`, which says no more than what
-    holds without it, nothing.
+    Of a robot that is not there at all, only that is told.
     """
     (before, _), (present, schema) = shipped(sql), database.tables()
     robots = {row["name"] for row in present[ROBOT]}
@@ -45,10 +42,7 @@ def differences(
         table: [row for row in rows if table == ROBOT or row.get("robot") is None or row["robot"] in robots]
         for table, rows in before.items()
     }
-    changed = changes.between(before, present, schema)
-    return changes.differences(
-        change for change in changed if change.before is not None or not implied(change.table, change.after or {})
-    )
+    return changes.differences(changes.between(before, present, schema))
 
 
 def add(database: Database, robot: str, judge: Judge = lambda _rows: ()) -> dict[str, int]:

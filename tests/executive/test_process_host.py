@@ -180,10 +180,3 @@ def test_nothing_begins_where_all_end(reaper: Reaper, tmp_path: Path, monkeypatc
     for child in children:
         assert ended(child) == -signal.SIGKILL
         child.close()
-
-
-def test_what_is_too_long_for_a_process_begins_none(reaper: Reaper, tmp_path: Path) -> None:
-    spec = unit("ann", f'"{"x" * (1 << 20)}"')
-    with pytest.raises(ValueError, match="more than a process can be given"):
-        ProcessHost(tmp_path, reaper).start(spec, spec.config)
-    assert not list(tmp_path.iterdir())

@@ -23,7 +23,6 @@ from lbr.executive.planning.said import vocabulary
 from lbr.executive.planning.trials import Trials
 from lbr.executive.planning.watch import RowWatch
 from lbr.executive.processes.plugging import Plugging
-from lbr.executive.processes.process_host import oversized
 from lbr.executive.processes.robot_processes import RobotProcesses
 from lbr.executive.service.journal import Journal
 from lbr.executive.services import Service
@@ -91,8 +90,7 @@ class LiveRows(Service):
 
     def planned(self, rows: RobotRows) -> tuple[Plan | None, tuple[Problem, ...]]:
         """Return the plan for rows that are not written yet, and their problems; from any thread."""
-        plan, problems = self._watch.planned(rows, self.plan)
-        return plan, (*problems, *oversized(plan)) if plan is not None else problems
+        return self._watch.planned(rows, self.plan)
 
     def judge(self, rows: RobotRows) -> tuple[Problem, ...]:
         """Return the problems of rows that are not written yet; from any thread."""

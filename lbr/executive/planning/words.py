@@ -1,6 +1,6 @@
 """The words of a robot: the rows of its own, and for each of its capabilities the words of its kind."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from msgspec import structs
 
@@ -9,8 +9,7 @@ from lbr.capability.word import Word
 from lbr.database import builtin, patterns
 from lbr.database.reading import Problem
 from lbr.database.rows import CapabilityRow, RobotRows, VerbRow
-from lbr.executive.planning.wiring import EXECUTIVE, EXECUTIVE_VERBS, least_roles
-from lbr.messages.system import higher
+from lbr.executive.planning.wiring import EXECUTIVE, EXECUTIVE_VERBS
 
 OF_EVERY_ROBOT = (
     Word("/report/{name}", "report", "Show telemetry, settings, statistics, health, events, wiring or robot"),
@@ -45,21 +44,6 @@ def as_row(capability: str, word: Word) -> VerbRow:
         role=word.role,
         help=word.help,
     )
-
-
-def implied(rows: RobotRows, kinds: Mapping[str, Kind]) -> Callable[[VerbRow], bool]:
-    """Return what tells whether a row says no more than a word of a kind that the robot has."""
-    said = {(row.pattern, row.target): row for row in (as_row(name, word) for name, word in _brought(rows, kinds))}
-    least = least_roles(kinds)
-
-    def same(row: VerbRow) -> bool:
-        word = said.get((row.pattern, row.target))
-        if word is None or (row.payload or None) != word.payload:
-            return False
-        needed = higher(word.role, least.get(row.target, "view"))
-        return higher(row.role, needed) == needed
-
-    return same
 
 
 def faults(kinds: Iterable[Kind]) -> Iterator[Problem]:

@@ -19,7 +19,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from lbr import home
 from lbr.bus import keys, session
@@ -73,13 +73,15 @@ class OpenRouter:
     def __init__(self, router: session.Router, robot: str) -> None:
         self.router = router
         self._session = session.open_router(router)
+        self._robot = robot
         self._answer = crossing.answer(self._session, robot)
-        self._status = self._session.declare_querier(keys.status(robot))
+        self._status: Any = None
 
     @property
     def passes(self) -> bool:
         """Return whether it has a route to the status. Routers exchange new routes within 0.1 s."""
-        return bool(self._status.matching_status.matching)  # type: ignore[attr-defined]  # the stub says bool
+        self._status = self._status or self._session.declare_querier(keys.status(self._robot))
+        return bool(self._status.matching_status.matching)
 
     def crossing(self, far: str, robot: str, wake: Callable[[], None]) -> Crossing:
         """Return what tries the link by which the router with the id `far` has called this one."""

@@ -13,7 +13,6 @@ import itertools
 import os
 import select
 import signal
-from collections.abc import Iterator
 from pathlib import Path
 
 import msgspec
@@ -22,8 +21,6 @@ from msgspec.structs import replace
 from lbr.capability import leaving
 from lbr.capability.config import Order, ProcessConfig, Report
 from lbr.capability.confine import needs_override
-from lbr.database.reading import Problem
-from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.process_specs import ProcessSpec
 from lbr.executive.processes import scheduling
 from lbr.executive.processes.fork_server import Forked, ForkServer
@@ -31,22 +28,11 @@ from lbr.executive.processes.launching import Reports, Running, launch, launch_p
 from lbr.executive.processes.logs import open_log
 from lbr.executive.processes.reaper import Mark, Reaper
 
-LARGEST_DOCUMENT_BYTES = 1 << 20
-MORE_IN_A_DOCUMENT_BYTES = 4096
-"""Room for what is added to the plan at a start."""
-PIPE_BYTES = 1 << 16
+PIPE_BYTES, LARGEST_PIPE_BYTES = 1 << 16, 1 << 20
 TERM_S = 0.8
 """The time in which a process must end when it is asked to."""
 SLOW_S = 5.0
 """The time for a capability whose kill would end others, too: a start, or a device, may be slow."""
-
-
-def oversized(plan: Plan) -> Iterator[Problem]:
-    """Yield a problem for each process that a plan has too many rows for."""
-    for unit in plan.units.values():
-        if len(msgspec.json.encode(unit.config)) + MORE_IN_A_DOCUMENT_BYTES > LARGEST_DOCUMENT_BYTES:
-            text = f"its rows would be too many: it can be given {LARGEST_DOCUMENT_BYTES} bytes of them"
-            yield Problem("capability", f"{plan.robot}/{unit.name}", "", text)
 
 
 class ProcessHost:
@@ -75,15 +61,13 @@ class ProcessHost:
             process.quiet = ready.isdisjoint(process.fds)
 
     def start(self, spec: ProcessSpec, config: ProcessConfig, *, waits: bool = False) -> "Child":
-        """Start a capability in its process; raise ValueError if its order is too large.
+        """Start a capability in its process.
 
         `waits`: none of those that share the process moves or serves anything.
         A new process begins where none runs, or where the running one may not open the device any more.
         """
         number = next(self._numbers)
         order = b"" if spec.program else _line(Order(number=number, start=config))
-        if len(order) > LARGEST_DOCUMENT_BYTES:
-            raise ValueError(f"its settings and wiring have {len(order)} bytes, more than a process can be given")
         process = self._processes.get(spec.process)
         if process is None or process.over or not process.reaches(config):
             process = self._processes[spec.process] = self._begin(spec, config, waits=waits)
@@ -213,7 +197,7 @@ class Process:
         self._unsent += line
         with contextlib.suppress(OSError):  # it accepts no more now; its end is noticed where every end is
             if len(line) > PIPE_BYTES:  # if this user has pipes left
-                fcntl.fcntl(self._running.stdin, fcntl.F_SETPIPE_SZ, LARGEST_DOCUMENT_BYTES)
+                fcntl.fcntl(self._running.stdin, fcntl.F_SETPIPE_SZ, LARGEST_PIPE_BYTES)
         with contextlib.suppress(BlockingIOError, BrokenPipeError):
             while self._unsent:
                 self._unsent = self._unsent[os.write(self._running.stdin.fileno(), self._unsent) :]
