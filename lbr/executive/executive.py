@@ -252,7 +252,7 @@ class Executive:
     def _close(self) -> None:
         shutdown = self.ground.shutdown
         shutdown.begin("shutdown")
-        shutdown.heard()
+        shutdown.closing()
         self.ground.notifier.stopping(shutdown.why)
         self.journal.happened("shutdown", EXECUTIVE, shutdown.why)
         leaving = terminal.leave()

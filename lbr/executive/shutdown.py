@@ -68,7 +68,7 @@ class Shutdown:
         self._begun.set()
         self._wake()
 
-    def heard(self) -> None:
+    def closing(self) -> None:
         """Take note that the main thread is closing."""
         self._heard.set()
 

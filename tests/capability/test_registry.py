@@ -1,7 +1,6 @@
 """Kinds are found by name, among the installed ones and the user's own files, and nothing else is ever imported."""
 
 import os
-import py_compile
 
 import pytest
 
@@ -60,38 +59,12 @@ def test_an_unknown_kind_is_told_what_there_is(tmp_path):
         registry.find("hovercraft", tmp_path)
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("import nothing_like_this", "ModuleNotFoundError"),
-        ("raise SystemExit(3)", "SystemExit: 3"),
-        ("def (:", "SyntaxError"),
-        ("KIND = 3", "declares no KIND"),
-        ("", "declares no KIND"),
-    ],
-)
-def test_a_broken_file_is_explained(folder, tmp_path, text, words):
-    (folder / "own.py").write_text(text)
-    with pytest.raises(KindError, match=words):
-        registry.find("own", tmp_path)
-
-
 @pytest.mark.parametrize("place", ["file", "folder"])
 def test_a_file_that_others_may_change_is_never_loaded(folder, tmp_path, place, wording):
     (folder / "own.py").write_text("raise AssertionError('imported')")
     (folder / "own.py" if place == "file" else folder).chmod(0o777)
     with wording.of(KindError):
         registry.find("own", tmp_path)
-
-
-def test_a_compiled_copy_beside_a_file_is_never_read(folder, tmp_path):
-    file = folder / "own.py"
-    file.write_text(OWN.replace('""', '"bad"'))
-    py_compile.compile(str(file), doraise=True)
-    seen = file.stat()
-    file.write_text(OWN.replace('""', '"new"'))
-    os.utime(file, ns=(seen.st_atime_ns, seen.st_mtime_ns))
-    assert registry.find("own", tmp_path).summary == "new"
 
 
 def test_a_link_to_where_others_may_put_another_file_is_refused(folder, tmp_path, wording):

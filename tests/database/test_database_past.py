@@ -210,6 +210,14 @@ def test_a_column_that_an_upgrade_took_away_is_in_the_way(edited, client, column
         back(edited, 0)
 
 
+def test_a_row_of_a_table_that_an_upgrade_took_away_is_in_the_way(database, client):
+    client.execute(
+        "INSERT INTO revision (table_name, row_key, operation, new_row) VALUES ('gone', '[\"a\"]', 'insert', '{}')"
+    )
+    with pytest.raises(InputError, match="there is no table 'gone' any more"):
+        back(database, 0)
+
+
 def test_numbers_that_no_change_touched_keep_their_last_digit(database, client):
     exact = 1 / 3
     client.execute("UPDATE channel SET rate_hz = ? WHERE target = 'drive.motors' AND robot = 'lbr'", (exact,))

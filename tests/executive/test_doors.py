@@ -131,7 +131,7 @@ def test_rights_that_come_back_find_their_router_and_no_change_opens_more_than_o
         assert place(doors, usual) == core_endpoint("lbr")
         doors.adopt(other)
         annex = place(doors, other)
-        assert {place(doors, other, name) for name in other.here} == {core_endpoint("lbr"), annex}
+        assert {place(doors, other, name) for name in other.local_units} == {core_endpoint("lbr"), annex}
         assert annex != core_endpoint("lbr")
         doors.tidy([annex])
         doors.adopt(usual)

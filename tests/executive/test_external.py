@@ -1,5 +1,6 @@
 """Programs by name: which one a row means, and where what it prints goes."""
 
+import select
 import sys
 from contextlib import closing
 
@@ -10,7 +11,7 @@ from lbr.database.rows import ExternalCommandRow
 from lbr.executive.processes import external
 from lbr.executive.processes.external import ExternalCommands
 from lbr.executive.processes.reaper import Reaper
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 
 @pytest.fixture
@@ -35,8 +36,11 @@ def test_python_is_the_interpreter_that_the_robot_runs_on(commands):
 def test_what_a_blocking_program_said_before_it_took_too_long_is_shown(commands, monkeypatch):
     monkeypatch.setattr(external, "BLOCKING_LIMIT_S", 1.0)
     ended = "'probe' took longer than 1 s and was ended"
-    assert said(commands, "/bin/sh", "-c", "echo 'which port?'; exec sleep 60") == (1, f"which port?\n{ended}")
     assert said(commands, "/bin/sleep", "60") == (1, ended)
+    row = ExternalCommandRow(name="probe", argv=("/bin/sh", "-c", "echo 'which port?'; exec sleep 60"), blocking=True)
+    command = commands.start(row, (), LINE, 3.5)
+    assert select.select([command.popen.stdout], [], [], HANG_S)[0]
+    assert commands.wait(row, command) == (1, f"which port?\n{ended}")
 
 
 def test_python_finds_no_module_where_the_robot_happened_to_be_started(commands, tmp_path, monkeypatch):

@@ -83,6 +83,6 @@ def test_an_edit_has_the_room_of_the_processes_that_run_however_many_capabilitie
         plan = watch.first()
         watch.look_again()
         watch.look(plan)
-    names = {unit.config.process or name for name, unit in plan.here.items()}
-    assert len(names) < len(plan.here)
+    names = {unit.config.process or name for name, unit in plan.local_units.items()}
+    assert len(names) < len(plan.local_units)
     assert running == [0, len(names)]

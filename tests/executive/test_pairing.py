@@ -82,7 +82,7 @@ class Life(RuleBasedStateMachine):
         assert tried.code is None
         assert tried.from_there == self.wrong_from[address]
         self.wrong += lived
-        assert tried.left == (WRONG_TRIES - self.wrong if lived else None)
+        assert tried.tries_left == (WRONG_TRIES - self.wrong if lived else None)
         if self.wrong >= WRONG_TRIES:
             self.good = ""
 

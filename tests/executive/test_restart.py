@@ -17,7 +17,7 @@ from lbr.executive.processes.restart import ATTEMPTS, MOST_S, WINDOW_S, End, dec
     ],
 )
 def test_policy_and_end_decide(policy, end, expected):
-    assert decide(policy, end, (), 100.0, 0.0).what == expected
+    assert decide(policy, end, (), 100.0, 0.0).phase == expected
 
 
 def test_delay_doubles_and_is_capped():
@@ -34,7 +34,7 @@ def test_jitter_spreads_restarts_by_a_fifth(jitter, delay):
 def test_gives_up_after_five_ends_within_the_window():
     deaths = tuple(100.0 - n for n in range(ATTEMPTS))
     decision = decide("always", End.CRASHED, deaths, 100.0, 0.0)
-    assert decision.what == "failed"
+    assert decision.phase == "failed"
     assert "given up" in decision.reason
 
 

@@ -84,7 +84,7 @@ def test_it_counts_from_the_first_word_and_says_what_took_too_long(heard: bool, 
     shutdown = Shutdown(woken.set, end=ended.put, heard_s=0.05 if not heard else 5.0, over_s=0.1)
     assert ended.empty()
     if heard:
-        shutdown.heard()
+        shutdown.closing()
     shutdown.begin("signal SIGTERM")
     shutdown.begin("signal SIGTERM")
     wording(ended.get(timeout=5.0))

@@ -78,7 +78,7 @@ def test_a_device_may_be_plugged_in_elsewhere_if_the_profile_says_so(rows):
     assert 'say so in the profile: plugged_in_elsewhere = ["imu"]' in refused(rows, hosts=hosts)
     plan, _ = planner.make(rows, Profile(robot="lbr", hosts=hosts, plugged_in_elsewhere=("imu",)), SITE)
     assert plan is not None
-    assert "imu" not in plan.here
+    assert "imu" not in plan.local_units
 
 
 def test_a_profile_that_places_what_is_not_there_or_twice_is_refused(rows):
@@ -100,14 +100,14 @@ def test_the_shipped_profiles_of_two_machines_place_attitude_and_motions(bioloid
         "attitude": "operator",
         "motions": "operator",
     }
-    assert {"joints", "servos"} <= set(plan.here)
+    assert {"joints", "servos"} <= set(plan.local_units)
 
 
 def test_nothing_of_a_process_that_stays_leaves_the_robot(rows):
     plan = planned(rows, "attitude", "dance")
     document = msgspec.json.encode([plan.units[name] for name in ("attitude", "dance")]).decode()
     own = {"lbr/imu/sample", "lbr/attitude/state", "lbr/attitude/calibration", "lbr/dance/state", "lbr/speech/state"}
-    for unit in plan.here.values():
+    for unit in plan.local_units.values():
         assert unit.config.release_key not in document
         assert unit.config.credentials is not None
         assert unit.config.credentials.password not in document

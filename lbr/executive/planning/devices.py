@@ -21,7 +21,9 @@ def check_device_settings(rows: RobotRows, kinds: Mapping[str, Kind], *, simulat
     `simulated`."""
     devices = [(device, f"{rows.robot.name}/{device.name}") for device in rows.devices]
     devices += [
-        (one.row, one.label) for one in rows.faulty if one.table == "device" and not one.columns & {"type", "settings"}
+        (faulty.row, faulty.label)
+        for faulty in rows.faulty
+        if faulty.table == "device" and not faulty.columns & {"type", "settings"}
     ]
     problems = []
     for device, label in devices:

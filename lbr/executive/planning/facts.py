@@ -29,8 +29,8 @@ def facts(plan: Plan, profile: str = "") -> Facts:
         parts={row.name: _part(row, plan.kinds[row.name], plan) for row in rows.capabilities if row.name in plan.kinds},
         channels=(
             *(
-                Channel(source=one.source, target=one.target, enabled=one.enabled, rate_hz=one.rate_hz)
-                for one in rows.channels
+                Channel(source=row.source, target=row.target, enabled=row.enabled, rate_hz=row.rate_hz)
+                for row in rows.channels
             ),
             *made,
         ),

@@ -18,10 +18,10 @@ FALLS = "humanoid_world"
 
 def hints(plan: Plan, home: Path) -> tuple[str, ...]:
     """Return a sentence for each, with what to do; a robot starts with all of them."""
-    return (*_lacking(plan, home), *_found(plan, home), *_unstable(plan))
+    return (*_lacking(plan, home), *_of_plan(plan, home), *_unstable(plan))
 
 
-def _found(plan: Plan, home: Path) -> Iterator[str]:
+def _of_plan(plan: Plan, home: Path) -> Iterator[str]:
     enabled = {row.name for row in plan.rows.capabilities if row.enabled}
     fed = {row.target for row in plan.rows.channels if row.enabled and row.source_end[0] in enabled}
     running = [name for name in plan.kinds if name in enabled]

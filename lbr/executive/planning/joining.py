@@ -33,17 +33,17 @@ def add(database: Database, robot: str) -> dict[str, int]:
     return shipped.add(database, robot, judge)
 
 
-def fault(found: Found) -> str:
+def fault(installed: Found) -> str:
     """Return why a start would refuse the robot of a package, by what it declares, its rows or its launch profiles;
     empty if it would not."""
-    if found.robot is None or found.robot.rows is None:
-        return found.fault
+    if installed.robot is None or installed.robot.rows is None:
+        return installed.fault
     problems: tuple[str, ...] = ()
     try:
-        packaged.rows_of(found, judge)
+        packaged.rows_of(installed, judge)
     except RowError as err:
         problems = err.problems
-    return "; ".join((*problems, *profile.faults(found)))
+    return "; ".join((*problems, *profile.faults(installed)))
 
 
 def join(database: Database, robot: str) -> str:

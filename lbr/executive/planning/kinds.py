@@ -26,7 +26,7 @@ class KindsBeside:
         """Find the kinds of files; it may take some seconds."""
         for name, mark in marks.items():
             if mark:
-                self._known[name] = mark, self._found(name)
+                self._known[name] = mark, self._kind_of(name)
 
     def ready(self, marks: Mapping[str, str]) -> bool:
         """Return whether all of them are known as they are now; those that are not are found beside."""
@@ -37,18 +37,18 @@ class KindsBeside:
 
     def find(self, name: str, home: Path) -> Kind:
         """Return a kind that is ready; KindError if it is not."""
-        _, found = self._known.get(name) or ("", None)
-        if found is None or not registry.mark(name, home):
+        _, known = self._known.get(name) or ("", None)
+        if known is None or not registry.mark(name, home):
             return registry.find(name, home)
-        if isinstance(found, KindError):
-            raise found
-        return found
+        if isinstance(known, KindError):
+            raise known
+        return known
 
     def forget_faults(self) -> None:
         """Try again, at the next change, what could not be used: it may want something that is there by then."""
         self._known = {name: one for name, one in self._known.items() if isinstance(one[1], Kind)}
 
-    def _found(self, name: str) -> Kind | KindError:
+    def _kind_of(self, name: str) -> Kind | KindError:
         try:
             return registry.find(name, self._home)
         except KindError as err:

@@ -150,19 +150,19 @@ class LiveRows(Service):
             return
         self._keep(plans.learnt(self.plan, name, by_table(rows)), name)
 
-    def _may_learn(self, name: str, told: Mapping[str, Raw]) -> tuple[Row, ...]:
+    def _may_learn(self, name: str, learnt: Mapping[str, Raw]) -> tuple[Row, ...]:
         """Return the rows of those told that the capability's kind may write; the others are told of."""
         kind, config, known = self.plan.kinds[name], self.plan.units[name].config, self._known(name)
-        found: list[Row] = []
+        allowed: list[Row] = []
         try:
             for read in kind.reads:
-                if read.row in kind.learns and read.row.TABLE in told:
-                    rows = _whole(read.row, told[read.row.TABLE], known)
-                    found += read_by(read, kind.parse(bytes(config.settings)), rows)
+                if read.row in kind.learns and read.row.TABLE in learnt:
+                    rows = _whole(read.row, learnt[read.row.TABLE], known)
+                    allowed += read_by(read, kind.parse(bytes(config.settings)), rows)
         except UNREADABLE as err:
             self._happened("refused", name, f"what it has learnt cannot be written down: {err}", "warning")
             return ()
-        return tuple(found)
+        return tuple(allowed)
 
     def knows(self, name: str, rows: Collection[Row]) -> None:
         """Take note that a capability has rows already that are written, and is not restarted for them; unless it is
@@ -176,11 +176,11 @@ class LiveRows(Service):
 
     def _known(self, name: str) -> dict[RowKey, Any]:
         """Return the rows of a capability, by table and key; without those that its profile replaces."""
-        measured = {one.device for one in self.plan.rows.of(CalibrationValue)}
+        measured = {value.device for value in self.plan.rows.of(CalibrationValue)}
         return {
-            (table, tuple(row[column] for column in one.key)): row
-            for table, one in self.plan.units[name].config.rows.items()
-            for row in msgspec.json.decode(one.rows)
+            (table, tuple(row[column] for column in row_set.key)): row
+            for table, row_set in self.plan.units[name].config.rows.items()
+            for row in msgspec.json.decode(row_set.rows)
             if table != CalibrationValue.TABLE or row["measured_at"] or row["device"] in measured
         }
 

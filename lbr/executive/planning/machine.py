@@ -45,21 +45,21 @@ def problems(
 ) -> list[Problem]:
     """Return why what was chosen cannot run: too much for a machine, or something is not installed. Pure."""
     chosen = list(chosen)
-    here = [row for row in chosen if not profile.host_of(row.name)]
-    lacking = [(row, machine.lacks(kinds[row.name])) for row in here]
-    found = [
+    local_rows = [row for row in chosen if not profile.host_of(row.name)]
+    lacking = [(row, machine.lacks(kinds[row.name])) for row in local_rows]
+    refusals = [
         Problem("capability", f"{robot}/{row.name}", "kind", f"'{row.kind}' cannot run: {what}")
         for row, what in lacking
         if what
     ]
-    count = processes(here, {row.name for row in here})
+    count = processes(local_rows, {row.name for row in local_rows})
     if count > machine.most:
-        found.append(_too_many(robot, count, machine.bound))
+        refusals.append(_too_many(robot, count, machine.bound))
     for host, names in profile.hosts.items():
         there = sum(row.name in names for row in chosen)
         if there > MOST_CAPABILITIES:
-            found.append(_too_many(robot, there, f"{ANY.bound}, also the host '{host}'"))
-    return found
+            refusals.append(_too_many(robot, there, f"{ANY.bound}, also the host '{host}'"))
+    return refusals
 
 
 def processes(rows: Iterable[CapabilityRow], names: Container[str]) -> int:

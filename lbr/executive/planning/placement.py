@@ -17,11 +17,11 @@ def problems(rows: RobotRows, kinds: Mapping[str, Kind], profile: Profile) -> li
     """Return what is wrong with the hosts of a profile."""
     return [
         Problem("profile", profile.robot, f"hosts.{host}" if host else "plugged_in_elsewhere", text)
-        for host, text in _found(rows, kinds, profile)
+        for host, text in _misplaced(rows, kinds, profile)
     ]
 
 
-def _found(rows: RobotRows, kinds: Mapping[str, Kind], profile: Profile) -> Iterator[tuple[str, str]]:
+def _misplaced(rows: RobotRows, kinds: Mapping[str, Kind], profile: Profile) -> Iterator[tuple[str, str]]:
     known = rows.names("capability")
     placed: dict[str, str] = {}
     for host, names in profile.hosts.items():

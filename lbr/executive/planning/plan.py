@@ -24,7 +24,7 @@ class Plan(Struct, frozen=True, kw_only=True):
     rows: RobotRows
 
     @property
-    def here(self) -> dict[str, ProcessSpec]:
+    def local_units(self) -> dict[str, ProcessSpec]:
         """Return what runs on the robot's own host."""
         return {name: unit for name, unit in self.units.items() if not unit.config.host}
 
@@ -75,38 +75,40 @@ class Change(Struct, frozen=True, kw_only=True):
     follow: tuple[str, ...] = ()
 
 
-def difference(old: Plan, new: Plan) -> Change:
+def difference(before: Plan, after: Plan) -> Change:
     """Return what has to start, stop and restart to get from one plan to another, and nothing else."""
-    changed = [name for name, unit in new.units.items() if name in old.units and unit != old.units[name]]
+    changed = [name for name, unit in after.units.items() if name in before.units and unit != before.units[name]]
     plug = tuple(
-        name for name in changed if new.kinds[name].rights.emulates and added_devices(old.units[name], new.units[name])
+        name
+        for name in changed
+        if after.kinds[name].rights.emulates and added_devices(before.units[name], after.units[name])
     )
     follow = tuple(
-        name for name in changed if new.kinds[name].follows and changed_rows(old.units[name], new.units[name])
+        name for name in changed if after.kinds[name].follows and changed_rows(before.units[name], after.units[name])
     )
     return Change(
-        start=tuple(name for name in new.units if name not in old.units),
-        stop=tuple(name for name in old.units if name not in new.units),
+        start=tuple(name for name in after.units if name not in before.units),
+        stop=tuple(name for name in before.units if name not in after.units),
         restart=tuple(name for name in changed if name not in {*plug, *follow}),
         plug=plug,
         follow=follow,
     )
 
 
-def changed_rows(old: ProcessSpec, new: ProcessSpec) -> RowsChanged | None:
+def changed_rows(before: ProcessSpec, after: ProcessSpec) -> RowsChanged | None:
     """Return what is another in the rows that a unit reads; None if anything else of it is changed, or it runs
     elsewhere."""
-    same = replace(new, config=replace(new.config, rows=old.config.rows)) == old
-    return row_sets.changed(old.config.rows, new.config.rows) if same and not new.config.host else None
+    same = replace(after, config=replace(after.config, rows=before.config.rows)) == before
+    return row_sets.changed(before.config.rows, after.config.rows) if same and not after.config.host else None
 
 
-def added_devices(old: ProcessSpec, new: ProcessSpec) -> tuple[DeviceConfig, ...]:
+def added_devices(former: ProcessSpec, unit: ProcessSpec) -> tuple[DeviceConfig, ...]:
     """Return the devices that a unit on the robot's own host has got; none if anything else of it is changed, too."""
-    before = old.config.devices
-    added = tuple(device for device in new.config.devices if device not in before)
-    kept = tuple(device for device in new.config.devices if device in before)
-    same = kept == before and replace(new, config=replace(new.config, devices=before)) == old
-    return added if same and not new.config.host else ()
+    before = former.config.devices
+    added = tuple(device for device in unit.config.devices if device not in before)
+    kept = tuple(device for device in unit.config.devices if device in before)
+    same = kept == before and replace(unit, config=replace(unit.config, devices=before)) == former
+    return added if same and not unit.config.host else ()
 
 
 def only(change: Change, names: Container[str]) -> Change:

@@ -138,13 +138,13 @@ def with_lan(
     if unit.kind != LAN:
         return unit
     robot = rows.robot.name
-    others = [other for other in units.values() if other.name != unit.name]
-    here, away = (
+    peers = [peer for peer in units.values() if peer.name != unit.name]
+    local_commands, remote_commands = (
         {
-            keys.port(robot, other.name, command): kinds[other.name].role(command)
-            for other in others
-            if bool(other.config.host) is elsewhere
-            for command in commands_of(other, kinds[other.name])
+            keys.port(robot, peer.name, command): kinds[peer.name].role(command)
+            for peer in peers
+            if bool(peer.config.host) is elsewhere
+            for command in commands_of(peer, kinds[peer.name])
         }
         for elsewhere in (False, True)
     )
@@ -153,16 +153,16 @@ def with_lan(
         listen=tuple(kinds[unit.name].parse(bytes(unit.config.settings)).listen),
         link=site.credentials(f"@{unit.name}"),
         users=_users(rows, site, "bus"),
-        streams=streams_of(robot, others),
-        heard=tuple(sorted({key for _unit, key in _put(others)})),
-        stops=tuple(key for key, role in (here | away).items() if role == "view"),
-        commands={key: role for key, role in here.items() if role != "view"},
+        streams=streams_of(robot, peers),
+        heard=tuple(sorted({key for _unit, key in _put(peers)})),
+        stops=tuple(key for key, role in (local_commands | remote_commands).items() if role == "view"),
+        commands={key: role for key, role in local_commands.items() if role != "view"},
         guests=tuple(
-            LanGuest(credentials=other.config.credentials, rights=rights[other.name])
-            for other in others
-            if other.config.host and other.config.credentials is not None
+            LanGuest(credentials=peer.config.credentials, rights=rights[peer.name])
+            for peer in peers
+            if peer.config.host and peer.config.credentials is not None
         ),
-        theirs={key: role for key, role in away.items() if role != "view"},
+        theirs={key: role for key, role in remote_commands.items() if role != "view"},
         private_key=str(folder / "bus.key"),
         certificate=str(folder / "bus.crt"),
     )

@@ -57,27 +57,27 @@ def names() -> list[str]:
     return [name for found in registry.every() for name in of_robot(found)]
 
 
-def of_robot(found: Found) -> list[str]:
+def of_robot(installed: Found) -> list[str]:
     """Return the names of a robot's profiles; one that brings none of its own name runs as its rows say."""
-    if found.robot is None:
+    if installed.robot is None:
         return []
-    brought = list(registry.profiles(found.robot))
-    plain = any(registry.plain(name) == found.name for name in brought)
-    return brought if plain else [found.name.replace("_", "-"), *brought]
+    brought = list(registry.profiles(installed.robot))
+    plain = any(registry.plain(name) == installed.name for name in brought)
+    return brought if plain else [installed.name.replace("_", "-"), *brought]
 
 
 def load(name: str) -> Profile:
     """Return a profile that comes with a robot by name, or one of your own by path; InputError says what there is."""
     if name.endswith(".toml") or os.sep in name:
         return _read(Path(name))
-    for found in registry.of_profile(name):
-        if found.robot is None:
-            raise InputError(found.fault)
-        for brought, path in registry.profiles(found.robot).items():
+    for installed in registry.of_profile(name):
+        if installed.robot is None:
+            raise InputError(installed.fault)
+        for brought, path in registry.profiles(installed.robot).items():
             if registry.plain(brought) == registry.plain(name):
-                return _own(found, path)
-        if registry.plain(name) == found.name:
-            return Profile(robot=found.name, description=found.robot.summary)
+                return _own(installed, path)
+        if registry.plain(name) == installed.name:
+            return Profile(robot=installed.name, description=installed.robot.summary)
     raise InputError(
         f"there is no launch profile '{name}'; {did_you_mean(name, names())}; "
         'a robot that only your rows have wants a .toml file that says robot = "NAME": give its path'
@@ -86,20 +86,22 @@ def load(name: str) -> Profile:
     )
 
 
-def faults(found: Found) -> Iterator[str]:
+def faults(installed: Found) -> Iterator[str]:
     """Yield why profiles that a robot brings are refused."""
-    for path in registry.profiles(found.robot).values() if found.robot is not None else ():
+    for path in registry.profiles(installed.robot).values() if installed.robot is not None else ():
         try:
-            _own(found, path)
+            _own(installed, path)
         except InputError as err:
             yield str(err)
 
 
-def _own(found: Found, path: Path) -> Profile:
+def _own(installed: Found, path: Path) -> Profile:
     """Return a profile of a package, which starts that package's robot and no other."""
     profile = _read(path)
-    if profile.robot != found.name:
-        raise InputError(f"launch profile {path} of package '{found.package}': its robot must be '{found.name}'")
+    if profile.robot != installed.name:
+        raise InputError(
+            f"launch profile {path} of package '{installed.package}': its robot must be '{installed.name}'"
+        )
     return profile
 
 
@@ -117,13 +119,13 @@ def _read(path: Path) -> Profile:
         raise InputError(f"launch profile {path}: {_with_key(str(err), text)}") from err
 
 
-def _with_key(said: str, text: str) -> str:
+def _with_key(complaint: str, text: str) -> str:
     """Return what msgspec says against a profile, with the key that it calls `[...]`."""
     for field, kind in _KEYED.items():
-        if f"$.{field}[...]" in said:
+        if f"$.{field}[...]" in complaint:
             for key, value in msgspec.toml.decode(text)[field].items():
                 try:
                     msgspec.convert(value, kind)
                 except msgspec.ValidationError:
-                    return said.replace("[...]", f".{key}", 1)
-    return said
+                    return complaint.replace("[...]", f".{key}", 1)
+    return complaint

@@ -32,7 +32,7 @@ def of_local(plan: Plan) -> Rights:
     """
     robot = plan.robot
     return Rights(
-        put=(*_taken(plan), keys.estop(robot)),
+        put=(*_command_keys(plan), keys.estop(robot)),
         ask=(
             f"{robot}/**",
             keys.console(robot, "view"),
@@ -52,7 +52,7 @@ def looked_at(plan: Plan) -> tuple[str, ...]:
     return (*plan.streams(), *keys.looked_at(plan.robot))
 
 
-def _taken(plan: Plan) -> Iterable[str]:
+def _command_keys(plan: Plan) -> Iterable[str]:
     """Return every key on which a capability takes commands or setpoints, also one whose row is off now."""
     kinds = plan.kinds.items()
     declared = {keys.port(plan.robot, name, port) for name, kind in kinds for port in (*kind.commands, *kind.setpoints)}

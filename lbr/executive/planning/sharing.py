@@ -38,11 +38,11 @@ def problems(
     return [
         Problem("capability", f"{rows.robot.name}/{row.name}", "process", text)
         for process, members in groupby(sharing, key=lambda row: row.process)
-        for row, text in _found(process, list(members), names, kinds, near)
+        for row, text in _conflicts(process, list(members), names, kinds, near)
     ]
 
 
-def _found(
+def _conflicts(
     process: str,
     members: list[CapabilityRow],
     names: Collection[str],

@@ -30,21 +30,21 @@ def not_ready(before: Mapping[str, str], touched: Iterable[str], now: Iterable[C
     A capability that was degraded before they came may be so again: a device that is missing is not their fault. Nor is
     an emergency stop that a person has pressed.
     """
-    found = {one.name: one for one in now}
+    statuses = {status.name: status for status in now}
     lacking = []
     for name in touched:
-        one = found.get(name)
-        if one is None:
+        status = statuses.get(name)
+        if status is None:
             lacking.append(f"{name} is not there")
-        elif one.phase == "degraded" and (before.get(name) == "degraded" or one.code == "estop"):
+        elif status.phase == "degraded" and (before.get(name) == "degraded" or status.code == "estop"):
             continue
-        elif one.phase != "ready":
-            lacking.append(f"{name} is {one.phase}" + (f": {one.reason}" if one.reason else ""))
-    others = (one for name, one in found.items() if name not in touched)
+        elif status.phase != "ready":
+            lacking.append(f"{name} is {status.phase}" + (f": {status.reason}" if status.reason else ""))
+    others = (status for name, status in statuses.items() if name not in touched)
     lacking += [
-        f"{one.name} is failed: {one.reason}"
-        for one in others
-        if one.phase == "failed" != before.get(one.name, "ready")
+        f"{status.name} is failed: {status.reason}"
+        for status in others
+        if status.phase == "failed" != before.get(status.name, "ready")
     ]
     return tuple(lacking)
 
@@ -55,10 +55,10 @@ def go_back(database: Database, robot: str) -> str:
     if trial is None or trial.state != "running" or trial.robot != robot:
         return ""
     ended = trials.judge(database, trial, good=False, text="the executive ended before they were judged")
-    return told(ended)
+    return outcome(ended)
 
 
-def told(trial: Trial) -> str:
+def outcome(trial: Trial) -> str:
     """Return what became of a trial, for people."""
     done = {
         "kept": f"the rows of revision {trial.revision} are kept",
@@ -167,7 +167,7 @@ class Trials:
         self._trial, self._looked = None, None
         self._touched = {}
         kind, level = ("rows_kept", "info") if ended.state == "kept" else ("rows_back", "warning")
-        self._happened(kind, "executive", told(ended), level, data={"revision": ended.revision})
+        self._happened(kind, "executive", outcome(ended), level, data={"revision": ended.revision})
 
 
 def _judge(path: Path, trial: Trial, good: bool, text: str) -> Trial:

@@ -104,7 +104,7 @@ class RowWatch:
 
     def _room_beside(self, plan: Plan) -> Machine:
         """Return the machine as it is while a plan runs on it."""
-        return self._machine(processes(plan.rows.capabilities, plan.here))
+        return self._machine(processes(plan.rows.capabilities, plan.local_units))
 
     def _news(self, plan: Plan, new: Plan) -> News:
         edited = self._edited(plan.rows, new.rows)
@@ -125,14 +125,14 @@ class RowWatch:
         self._next_end = min((datetime.fromisoformat(one.expires_at) for one in valid if one.expires_at), default=NEVER)
         return replace(rows, tokens=valid)
 
-    def _edited(self, old: RobotRows, new: RobotRows) -> str:
+    def _edited(self, before: RobotRows, after: RobotRows) -> str:
         try:
-            rows = self._database.touched(old.revision) if new.revision != old.revision else ()
+            rows = self._database.touched(before.revision) if after.revision != before.revision else ()
         except RowError as err:  # it is only told
             return f"rows that are not known: {err}"
-        said = edited(rows, new.robot.name)
+        said = edited(rows, after.robot.name)
         more = f" and {len(said) - EDITS_TOLD} more" if len(said) > EDITS_TOLD else ""
-        return ", ".join(filter(None, (", ".join(said[:EDITS_TOLD]) + more, _tokens_edited(old, new))))
+        return ", ".join(filter(None, (", ".join(said[:EDITS_TOLD]) + more, _tokens_edited(before, after))))
 
     def _marks(self, rows: RobotRows) -> dict[str, str]:
         """Return the marks of the kinds that rows name, and go by these from now on, also if the rows are refused."""
@@ -181,11 +181,11 @@ def _own_key(row: RevisionRow, robot: str) -> tuple[str, ...]:
     return key[1:] if len(key) > 1 and key[0] == robot else key
 
 
-def _tokens_edited(old: RobotRows, new: RobotRows) -> str:
+def _tokens_edited(before: RobotRows, after: RobotRows) -> str:
     """Say whose tokens came and went, whether they were revoked or their time was up."""
-    came = [f"token '{one.name}' ({one.role}) is valid" for one in new.tokens if one not in old.tokens]
-    names = {one.name for one in new.tokens}
-    went = [f"token '{one.name}' has no rights any more" for one in old.tokens if one.name not in names]
+    came = [f"token '{one.name}' ({one.role}) is valid" for one in after.tokens if one not in before.tokens]
+    names = {one.name for one in after.tokens}
+    went = [f"token '{one.name}' has no rights any more" for one in before.tokens if one.name not in names]
     said = [*went, *came]
     return ", ".join(said[:EDITS_TOLD]) + (f" and {len(said) - EDITS_TOLD} more" if len(said) > EDITS_TOLD else "")
 

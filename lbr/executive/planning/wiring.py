@@ -84,15 +84,15 @@ def _check_channel(
     to_known = "target" not in bad and target[0] in {EXECUTIVE, *kinds}
     sent = _ports(source[0], kinds, settings, "outputs", "requests") if from_known else {}
     asks = source[1] in _ports(source[0], kinds, settings, "requests") if from_known else None
-    taken = _taken(target[0], kinds, settings, asks) if to_known else {}
+    accepted = _accepted_ports(target[0], kinds, settings, asks) if to_known else {}
     problems = []
     if from_known and source[1] not in sent:
         problems.append(Problem("channel", label, "source", _no_port(source, "output", sent)))
-    if to_known and target[1] not in taken:
-        problems.append(Problem("channel", label, "target", _no_port(target, "command" if asks else "input", taken)))
+    if to_known and target[1] not in accepted:
+        problems.append(Problem("channel", label, "target", _no_port(target, "command" if asks else "input", accepted)))
     if problems or not (from_known and to_known):
         return problems
-    sends, takes = sent[source[1]], taken[target[1]]
+    sends, takes = sent[source[1]], accepted[target[1]]
     if not _same(sends, takes):
         names_of = f"{_type_name(sends)}, and {row.target} takes {_type_name(takes)}"
         problems.append(Problem("channel", label, "target", f"{row.source} sends {names_of}"))
@@ -117,15 +117,17 @@ def by_themselves(names: Iterable[str], rows: RobotRows, kinds: Mapping[str, Kin
                     yield ChannelRow(source=source, target=target, history=wire.history)
 
 
-def _same_type(kind: Kind, port: str, other: Kind, to: str, *, asks: bool) -> str:
+def _same_type(kind: Kind, port: str, peer: Kind, to: str, *, asks: bool) -> str:
     """Return the port of another kind that a wire means, empty if it has none of the type."""
     of, _, name = to.rpartition(".")
     wanted = (kind.requests if asks else kind.inputs)[port]
-    found = (other.messages if asks else other.outputs).get(name)
-    return name if of in {"", other.name} and found is wanted else ""
+    found = (peer.messages if asks else peer.outputs).get(name)
+    return name if of in {"", peer.name} and found is wanted else ""
 
 
-def _taken(name: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], asks: bool | None) -> dict[str, Any]:
+def _accepted_ports(
+    name: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], asks: bool | None
+) -> dict[str, Any]:
     """Return the ports that take a question, or a stream; of both, if it is not known which one comes."""
     if name == EXECUTIVE:
         return {} if asks is False else dict(EXECUTIVE_COMMANDS)

@@ -25,13 +25,13 @@ def words(rows: RobotRows, kinds: Mapping[str, Kind]) -> tuple[VerbRow, ...]:
 
     Of two capabilities whose kinds say the same, it means the one that is enabled, or is called as its kind is.
     """
-    found = {_lines(row.pattern): row for row in rows.verbs}
-    taken = {*found, *((row.name,) for row in rows.external_commands)}
+    verbs = {_lines(row.pattern): row for row in rows.verbs}
+    line_forms = {*verbs, *((row.name,) for row in rows.external_commands)}
     for name, word in _brought(rows, kinds):
-        if (lines := _lines(word.pattern)) not in taken:
-            taken.add(lines)
-            found[lines] = as_row(name, word)
-    return tuple(sorted(found.values(), key=lambda row: (row.word, row.pattern)))
+        if (lines := _lines(word.pattern)) not in line_forms:
+            line_forms.add(lines)
+            verbs[lines] = as_row(name, word)
+    return tuple(sorted(verbs.values(), key=lambda row: (row.word, row.pattern)))
 
 
 def as_row(capability: str, word: Word) -> VerbRow:
@@ -65,13 +65,15 @@ def _fault(kind: Kind, word: Word) -> str:
         return f"the executive has no '{word.command}'"
     if not word.executive and word.command not in kind.commands:
         return f"the kind has no command '{word.command}'"
-    there = (
+    known_fields = (
         set(EXECUTIVE_VERBS[word.command])
         if word.executive
         else {field.name for field in structs.fields(kind.command(word.command).message)}
     )
-    wrong = sorted({*pattern.fields, *word.fixed} - there)
-    return f"{word.command} has no field '{wrong[0]}'; it has {', '.join(sorted(there)) or 'none'}" if wrong else ""
+    wrong = sorted({*pattern.fields, *word.fixed} - known_fields)
+    return (
+        f"{word.command} has no field '{wrong[0]}'; it has {', '.join(sorted(known_fields)) or 'none'}" if wrong else ""
+    )
 
 
 def _brought(rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[tuple[str, Word]]:

@@ -362,7 +362,7 @@ class Doors:
 
 
 def _wanted(plan: Plan) -> dict[str, Users]:
-    return {name: rights.of_unit(plan, unit) for name, unit in plan.here.items()}
+    return {name: rights.of_unit(plan, unit) for name, unit in plan.local_units.items()}
 
 
 def _merged(all_users: Iterable[Users]) -> Users:

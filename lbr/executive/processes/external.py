@@ -74,14 +74,14 @@ class ExternalCommands:
             raise LbrError(f"'{row.name}' could not be started: {err}") from err
         mark.began(popen.pid)
         if known is not None:
-            known.mark.ended(kept=not known.row.blocking)
+            known.mark.ended(spared=not known.row.blocking)
         self._running[row.name] = command = Command(row, popen, mark)
         return command
 
     def _spawn(
         self, row: ExternalCommandRow, arguments: tuple[str, ...], origin: Origin, said_s: float, mark: Mark
     ) -> "subprocess.Popen[bytes]":
-        told = {
+        context = {
             "LBR_ROBOT": self._robot,
             "LBR_NAME": row.name,
             "LBR_STARTED_S": repr(said_s),
@@ -89,13 +89,13 @@ class ExternalCommands:
             "LBR_WRITTEN_S": repr(origin.written_s),
         }
         with contextlib.ExitStack() as stack:
-            out = subprocess.PIPE if row.blocking else stack.enter_context(open_log(self._logs / f"{row.name}.log"))
+            stdout = subprocess.PIPE if row.blocking else stack.enter_context(open_log(self._logs / f"{row.name}.log"))
             popen = subprocess.Popen(
                 dying_with_parent((*_program(row.argv), *arguments), within=str(home.home())),
                 stdin=subprocess.DEVNULL,
-                stdout=out,
+                stdout=stdout,
                 stderr=subprocess.STDOUT,
-                env=leaf_environment() | told | mark.environment,
+                env=leaf_environment() | context | mark.environment,
                 start_new_session=True,
             )
         scheduling.rank(popen.pid, scheduling.BACKGROUND)
@@ -146,7 +146,7 @@ class ExternalCommands:
             if command.over:
                 del self._running[name]
                 self._asked_at.pop(command.pid, None)
-                command.mark.ended(kept=name in names and not command.row.blocking)
+                command.mark.ended(spared=name in names and not command.row.blocking)
             elif name in names:
                 self._asked_at.pop(command.pid, None)
             elif command.pid not in self._asked_at:
@@ -175,17 +175,17 @@ def _program(argv: tuple[str, ...]) -> tuple[str, ...]:
 
 def _read(fd: int, until: float) -> tuple[bytes, bool]:
     """Read to the end, keeping only the beginning; say whether the end came in time."""
-    kept = b""
+    output = b""
     poll = select.poll()
     poll.register(fd, select.POLLIN)
     while poll.poll(max(0.0, until - time.monotonic()) * 1000):
         part = os.read(fd, 65536)
         if not part:
-            return kept, True
-        kept += part[: OUTPUT_LIMIT + 1 - len(kept)]
+            return output, True
+        output += part[: OUTPUT_LIMIT + 1 - len(output)]
         if time.monotonic() > until:
             break
-    return kept, False
+    return output, False
 
 
 def _ask(popen: "subprocess.Popen[bytes]") -> None:

@@ -36,7 +36,7 @@ class PlugDevice(Struct, frozen=True, kw_only=True):
 class _Asked(NamedTuple):
     name: str
     process: object
-    what: str
+    failure: str
     question: wire.PendingQuery
 
 
@@ -73,17 +73,17 @@ class Plugging(Service):
 
     def step(self, _now: float) -> float:
         """Begin a process again that could not do as asked, once; one that has begun again meanwhile has it all."""
-        done = [one for one in self._asked if one.question.done]
-        self._asked = [one for one in self._asked if not one.question.done]
+        done = [asked for asked in self._asked if asked.question.done]
+        self._asked = [asked for asked in self._asked if not asked.question.done]
         begun = set()
-        for one in done:
-            why = _why_not(one.question)
-            if why and one.name not in begun and self._process(one.name) is one.process:
-                begun.add(one.name)
-                self._restart(one.name, f"{one.what}: {why}")
+        for asked in done:
+            why = _why_not(asked.question)
+            if why and asked.name not in begun and self._process(asked.name) is asked.process:
+                begun.add(asked.name)
+                self._restart(asked.name, f"{asked.failure}: {why}")
         return inf
 
-    def _ask(self, name: str, command: str, message: Struct, what: str) -> bool:
+    def _ask(self, name: str, command: str, message: Struct, failure: str) -> bool:
         """Ask a process, if it runs; say whether that went out."""
         process = self._process(name)
         if process is None:
@@ -96,7 +96,7 @@ class Plugging(Service):
         except BusError as err:
             self._restart(name, str(err))
             return False
-        self._asked.append(_Asked(name, process, what, question))
+        self._asked.append(_Asked(name, process, failure, question))
         return True
 
 

@@ -35,13 +35,13 @@ def readiness(capabilities: Iterable[CapabilityStatus]) -> Readiness:
     """
     failed: dict[str, str] = {}
     degraded: dict[str, str] = {}
-    for one in capabilities:
-        if one.phase == "failed" or (one.phase == "waiting" and not one.host):
-            failed[one.name] = one.reason or one.phase
-        elif one.phase == "degraded":
-            degraded[one.name] = one.reason or one.phase
-        elif one.phase != "ready":
-            degraded[one.name] = f"{one.phase}: {one.reason}" if one.reason else one.phase
+    for status in capabilities:
+        if status.phase == "failed" or (status.phase == "waiting" and not status.host):
+            failed[status.name] = status.reason or status.phase
+        elif status.phase == "degraded":
+            degraded[status.name] = status.reason or status.phase
+        elif status.phase != "ready":
+            degraded[status.name] = f"{status.phase}: {status.reason}" if status.reason else status.phase
     return Readiness(failed, degraded)
 
 

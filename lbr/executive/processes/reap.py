@@ -115,7 +115,7 @@ def _waited(before: Thread, now: Thread, elapsed: float) -> float:
 
 def threads_of(pid: int) -> dict[int, Thread]:
     """Look at the threads of a process; what cannot be read has had nothing."""
-    found = {}
+    threads = {}
     with suppress(OSError):
         for name in os.listdir(f"/proc/{pid}/task"):  # noqa: PTH208 - importing pathlib takes too long
             with suppress(OSError, ValueError, IndexError):
@@ -123,8 +123,8 @@ def threads_of(pid: int) -> dict[int, Thread]:
                 ran, waited = (0, 0)
                 with suppress(OSError):  # a kernel that counts nothing
                     ran, waited = map(int, _read(f"/proc/{pid}/task/{name}/schedstat").split()[:2])
-                found[int(name)] = Thread(ran / 1e9, waited / 1e9, state)
-    return found
+                threads[int(name)] = Thread(ran / 1e9, waited / 1e9, state)
+    return threads
 
 
 class Run:
@@ -149,20 +149,20 @@ class Run:
         """Take down what the executive has started, or what has ended."""
         if word == END:
             return
-        what, number = word[:1], int(word[1:].split()[0])
-        if what == b"=":
+        sign, number = word[:1], int(word[1:].split()[0])
+        if sign == b"=":
             self._guarded[number] = None
             return
-        if what in {b"+", b"*"}:
+        if sign in {b"+", b"*"}:
             session = self._running[number] = int(word.split()[1])
             self._guarded.pop(session, None)
-            if what == b"*":
+            if sign == b"*":
                 self._guarded[session] = None
             while len(self._guarded) > MOST_GUARDED:
                 del self._guarded[next(iter(self._guarded))]
             return
         session = self._running.pop(number, 0)
-        if what == b"-" and session:
+        if sign == b"-" and session:
             self._left[number] = session
 
     def clear(self) -> None:
@@ -209,26 +209,30 @@ class Run:
         for session in sessions:
             with suppress(OSError):
                 os.killpg(session, signal.SIGKILL)
-        found = [
-            one
-            for one in self._processes()
-            if one.session in sessions or (one.number >= 0 and (numbers is None or one.number in numbers))
+        processes = [
+            process
+            for process in self._processes()
+            if process.session in sessions or (process.number >= 0 and (numbers is None or process.number in numbers))
         ]
-        return [one for one in found if (one.pid, one.started) not in self._beyond and self._treat(one)]
+        return [
+            process
+            for process in processes
+            if (process.pid, process.started) not in self._beyond and self._treat(process)
+        ]
 
-    def _treat(self, one: Process) -> bool:
+    def _treat(self, process: Process) -> bool:
         """Kill it, or continue it if it is a guard whose time is not over; say whether it is still ours to end."""
-        known = (one.pid, one.started)
+        known = (process.pid, process.started)
         number = signal.SIGKILL
-        if one.last_word_s > 0.0:
-            until = self._guards.setdefault(known, self._clock() + min(one.last_word_s, LAST_WORD_MOST_S))
+        if process.last_word_s > 0.0:
+            until = self._guards.setdefault(known, self._clock() + min(process.last_word_s, LAST_WORD_MOST_S))
             number = signal.SIGCONT if self._clock() < until else signal.SIGKILL
         try:
-            fd = os.pidfd_open(one.pid)
+            fd = os.pidfd_open(process.pid)
         except OSError:
             return False
         try:
-            if self._look(one.pid) == one:
+            if self._look(process.pid) == process:
                 signal.pidfd_send_signal(fd, number)
         except ProcessLookupError:
             return False
@@ -350,13 +354,13 @@ def main(mark: bytes, last_word: bytes, pid: bytes, hangs_s: bytes) -> None:
     executive = Executive(int(pid), float(hangs_s))
     poll = select.poll()
     poll.register(0, select.POLLIN)
-    heard = b""
+    buffered = b""
     ended = False
     while not ended:
         quiet = run.tidy and not executive.silence.watched
         if poll.poll(None if quiet else LEFT_S * 1000.0):
             part = os.read(0, 65536)
-            *words, heard = (heard + part).split(b"\n")
+            *words, buffered = (buffered + part).split(b"\n")
             ended = not part or END in words
             for word in words:
                 if word == BEAT:

@@ -54,12 +54,12 @@ class Mark:
             self._began = "*"
             self.began(pid)
 
-    def ended(self, *, kept: bool = False) -> None:
-        """Say that it is no more: what it has left behind is ended now, or `kept` until the run ends."""
+    def ended(self, *, spared: bool = False) -> None:
+        """Say that it is no more: what it has left behind is ended now, or `spared` until the run ends."""
         if (began := self._reaper.known.pop(self._number, None)) is not None:
             if self._began == "*":
                 self._reaper.left.append(f"={began.split()[1]}")
-            self._reaper.say(f"{'~' if kept else '-'}{self._number}")
+            self._reaper.say(f"{'~' if spared else '-'}{self._number}")
 
 
 class Reaper:

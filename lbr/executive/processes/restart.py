@@ -38,7 +38,7 @@ CODES: dict[End, Code] = {End.CLEAN: "done", End.CRASHED: "failed", End.HUNG: "t
 class Decision(Struct, frozen=True):
     """`restart` after `delay_s`, rest in peace (`stopped`), or give up (`failed`) with the reason."""
 
-    what: Literal["restart", "stopped", "failed"]
+    phase: Literal["restart", "stopped", "failed"]
     delay_s: float = 0.0
     reason: str = ""
 

@@ -77,8 +77,8 @@ class RobotProcesses(Service):
         self._plan = plan
         self._doors.adopt(plan)
         self._hosts.adopt(plan)
-        names = plan.here.keys() | self.supervisor.parts.keys()
-        self.supervisor.adopt(plan.here, plans.only(change, names))
+        names = plan.local_units.keys() | self.supervisor.parts.keys()
+        self.supervisor.adopt(plan.local_units, plans.only(change, names))
 
     def keep(self, plan: Plan, name: str) -> None:
         """Adopt a plan whose changes a process has already."""
@@ -146,7 +146,7 @@ class RobotProcesses(Service):
         place = self._doors.place(spec)
         if place is None or self._forks.begins:
             return None
-        mates = [other for other in self._plan.here.values() if other.process == spec.process]
+        mates = [other for other in self._plan.local_units.values() if other.process == spec.process]
         reach = tuple(device.address for mate in mates for device in mate.config.devices)
         config = replace(spec.config, estop=self._begun(spec.name), endpoints=(place.endpoint,), reach=reach)
         if spec.lan is not None:

@@ -354,15 +354,15 @@ class Supervisor:
         part.rates, part.counts = {}, {}
         part.reason = part.last_end = f"{end.value}: {why}"
         part.code = part.end_code = CODES[end]
-        if decision.what == "restart":
+        if decision.phase == "restart":
             part.restarts += 1
             part.phase, part.due_at = "waiting", now + decision.delay_s
             self._announce(end.value, part, f"{part.reason}; restart in {decision.delay_s:.1f} s", "error")
         else:
-            part.phase, part.due_at = decision.what, inf
+            part.phase, part.due_at = decision.phase, inf
             part.reason = part.last_end = f"{part.reason}; {decision.reason}"
-            level = "info" if decision.what == "stopped" else "error"
-            self._announce(decision.what if end is End.CLEAN else end.value, part, part.reason, level)
+            level = "info" if decision.phase == "stopped" else "error"
+            self._announce(decision.phase if end is End.CLEAN else end.value, part, part.reason, level)
         self._announce_loss(part)
 
     def _announce_loss(self, gone: Part) -> None:

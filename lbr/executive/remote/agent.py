@@ -70,7 +70,7 @@ class Agent:
     def _serve(self) -> None:
         while not self._stopping:
             try:
-                why = self._stay(self._found())
+                why = self._stay(self._find_robot())
             except RefusedError:
                 raise
             except BusError as err:
@@ -79,27 +79,27 @@ class Agent:
                 self._tell(f"{why}; waiting for the robot")
                 self._pause()
 
-    def _found(self) -> Target:
+    def _find_robot(self) -> Target:
         """Return the robot; it must be there, know our token, and that must be one for this host."""
         if not self._endpoint.startswith(remote.PROTOCOL):
             raise RefusedError(
                 f"a robot on another machine is reached by tls, as tls/192.168.1.7:7447: {self._endpoint}"
             )
         remote.certificate_at(self._endpoint)
-        found = target.find(self._robot, self._endpoint, self._token_file)
-        user = found.credentials.user if found.credentials is not None else ""
+        robot = target.find(self._robot, self._endpoint, self._token_file)
+        user = robot.credentials.user if robot.credentials is not None else ""
         if user != self._host:
             text = f"the token is for '{user}'; host '{self._host}' comes in with one of its own name"
             raise RefusedError(f"{text}: 'lbr token add {self._host} --role host' at the robot")
-        return found
+        return robot
 
-    def _stay(self, found: Target) -> str:
+    def _stay(self, robot: Target) -> str:
         where = f"{socket.gethostname()[:40]}, pid {os.getpid()}"
-        bus = session.open_client(found.endpoints, found.credentials, certificate=found.certificate)
+        bus = session.open_client(robot.endpoints, robot.credentials, certificate=robot.certificate)
         try:
             stay = AgentSession(
                 bus,
-                found,
+                robot,
                 self._host,
                 self._main,
                 self._reaper,

@@ -50,7 +50,7 @@ class AgentSession:
     def __init__(
         self,
         bus: Session,
-        found: Target,
+        robot: Target,
         host: str,
         main: MainThread,
         reaper: Reaper,
@@ -61,7 +61,7 @@ class AgentSession:
         say: Callable[[str], None],
     ) -> None:
         self._bus = bus
-        self._found = found
+        self._robot = robot
         self._host = host
         self._main = main
         self._reaper = reaper
@@ -76,8 +76,8 @@ class AgentSession:
         self._placed: dict[str, Placed] = {}
         self._events: deque[Event] = deque(maxlen=MOST_WAITING)
         self._learns: deque[Learnt] = deque()
-        self._presence = wire.Presence(bus, found.robot, lambda _name, _alive: main.wake())
-        self._token = wire.alive(bus, found.robot, keys.agent(host))
+        self._presence = wire.Presence(bus, robot.robot, lambda _name, _alive: main.wake())
+        self._token = wire.alive(bus, robot.robot, keys.agent(host))
         self._links = Links(bus, ("tls", "tcp"), main.wake)
         self._processes = ProcessHost(home.directory("logs"), reaper, forks)
         self._supervisor = Supervisor(
@@ -121,7 +121,7 @@ class AgentSession:
 
     def _converse(self, now: float) -> None:
         if self._accepted and any(not one.connected for one in self._links.take()):
-            self._over = f"contact with robot '{self._found.robot}' is lost"
+            self._over = f"contact with robot '{self._robot.robot}' is lost"
             return
         if self._question is None and now >= self._ask_at:
             self._ask_at = now + host_protocol.REPORT_S
@@ -148,7 +148,7 @@ class AgentSession:
         )
         return wire.PendingQuery(
             self._bus,
-            keys.host(self._found.robot, self._host),
+            keys.host(self._robot.robot, self._host),
             wire.encode(self._told),
             timeout_s=ANSWER_S,
             source=self._source,
@@ -169,12 +169,12 @@ class AgentSession:
             raise RefusedError(self._versions(share.version))
         self._heard_at = now
         if share.ended:
-            self._over = f"robot '{self._found.robot}' has shut down"
+            self._over = f"robot '{self._robot.robot}' has shut down"
             return
         self._delivered()
         if not self._accepted:
             self._accepted = True
-            self._say(f"host '{self._host}' of robot '{self._found.robot}' at {self._found.endpoints[0]}")
+            self._say(f"host '{self._host}' of robot '{self._robot.robot}' at {self._robot.endpoints[0]}")
         if share.units is not None and share.share != self._mark:
             self._adopt(share.units)
             self._mark = share.share
@@ -192,11 +192,11 @@ class AgentSession:
 
     def _unanswered(self) -> None:
         if self._accepted:
-            self._over = f"robot '{self._found.robot}' does not answer any more"
+            self._over = f"robot '{self._robot.robot}' does not answer any more"
             return
-        answers = wire.ask(self._bus, keys.status(self._found.robot), None, source=self._source, timeout_s=ANSWER_S)
+        answers = wire.ask(self._bus, keys.status(self._robot.robot), None, source=self._source, timeout_s=ANSWER_S)
         if not answers:
-            raise BusError(f"robot '{self._found.robot}' does not answer")
+            raise BusError(f"robot '{self._robot.robot}' does not answer")
         status = _statuses.decode(answers[0].payload)
         known = sorted({one.host for one in status.capabilities if one.host})
         if self._host not in known:
@@ -217,14 +217,14 @@ class AgentSession:
 
     def _adopt(self, placed: tuple[Placed, ...]) -> None:
         """Start, stop and restart what differs from what runs here."""
-        old, new = self._placed, {one.unit.name: one for one in placed}
+        before, after = self._placed, {share.unit.name: share for share in placed}
         change = plans.Change(
-            start=tuple(name for name in new if name not in old),
-            stop=tuple(name for name in old if name not in new),
-            restart=tuple(name for name, one in new.items() if name in old and one != old[name]),
+            start=tuple(name for name in after if name not in before),
+            stop=tuple(name for name in before if name not in after),
+            restart=tuple(name for name, share in after.items() if name in before and share != before[name]),
         )
-        self._placed = new
-        units = {name: one.unit for name, one in new.items()}
+        self._placed = after
+        units = {name: share.unit for name, share in after.items()}
         self._supervisor.adopt(units, change)
 
     def _start(self, unit: ProcessSpec) -> Child | None:
@@ -234,8 +234,8 @@ class AgentSession:
             raise BusError(f"{self._home}/capabilities/{unit.kind}.py is not the file that the robot has; copy it here")
         config = replace(
             unit.config,
-            endpoints=self._found.endpoints,
-            certificate=self._found.certificate,
+            endpoints=self._robot.endpoints,
+            certificate=self._robot.certificate,
             home=self._home,
             estop=self._latch() if unit.moves else unit.config.estop,
         )
@@ -243,7 +243,7 @@ class AgentSession:
 
     def _latch(self) -> EstopState:
         answers = wire.ask(
-            self._bus, keys.estop(self._found.robot), None, source=self._source, timeout_s=host_protocol.REPORT_S
+            self._bus, keys.estop(self._robot.robot), None, source=self._source, timeout_s=host_protocol.REPORT_S
         )
         if not answers:
             raise BusError("the robot does not say whether its emergency stop is latched")

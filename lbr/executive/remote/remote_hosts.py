@@ -93,7 +93,7 @@ class RemoteHosts(Service):
             for request in host.served.take():
                 request.reply(self._answer(host, request, now), "executive")
             if host.agent and (why := self._why_gone(host, now)):
-                self._gone(host, f"the agent at {host.where} {why}", "error")
+                self._lose(host, f"the agent at {host.where} {why}", "error")
         return min((host.heard_at + GONE_S for host in self._hosts.values() if host.agent), default=inf)
 
     def capabilities(self) -> dict[str, CapabilityStatus]:
@@ -126,7 +126,7 @@ class RemoteHosts(Service):
             return replace(answer, accepted=False, reason=text, code="denied")
         if report.leaving:
             if host.agent:
-                self._gone(host, f"the agent at {host.where} has ended", "warning")
+                self._lose(host, f"the agent at {host.where} has ended", "warning")
             return answer
         if self._ended:
             return answer
@@ -158,7 +158,7 @@ class RemoteHosts(Service):
         lost, host.seen = host.seen and not here, here
         return "is out of reach" if lost else "is silent" if not now - host.heard_at < GONE_S else ""
 
-    def _gone(self, host: Host, why: str, level: str) -> None:
+    def _lose(self, host: Host, why: str, level: str) -> None:
         running = [name for name, state in host.states.items() if state.phase in RUNNING]
         host.agent, host.states, host.seen = "", {}, False
         lost = f"; gone with it: {', '.join(running)}" if running else ""

@@ -31,7 +31,7 @@ class _Known:
 
 def choices(plan: Plan, home: Path) -> dict[str, Iterable[str]]:
     """Return the known values by `capability.command` for its first field, or with `.field` at its end for that one."""
-    found: dict[str, Iterable[str]] = {
+    values: dict[str, Iterable[str]] = {
         "executive.report": REPORTS,
         "executive.help": sorted({row.word for row in (*BUILT_IN_VERBS, *plan.rows.verbs)}),
         "executive.restart": tuple(plan.units),
@@ -42,5 +42,5 @@ def choices(plan: Plan, home: Path) -> dict[str, Iterable[str]]:
         known = _Known(plan, home, name)
         for command in kind.commands:
             for field, may_be in kind.command(command).choices.items():
-                found[f"{name}.{command}.{field}"] = may_be(known)
-    return found
+                values[f"{name}.{command}.{field}"] = may_be(known)
+    return values

@@ -58,7 +58,7 @@ class _Speaker(NamedTuple):
     page: bool = False
 
     @property
-    def told(self) -> str:
+    def audit_name(self) -> str:
         """Return the name for the audit trail: from another machine with the token that the door saw proven."""
         if not self.remote_stamp:
             return self.source
@@ -101,10 +101,10 @@ class Dispatcher:
             "shutdown": self._shutdown,
             "restart": self._restart,
             "why": self._why,
-            "phone": lambda _call, by: self._letting_in.phone(by.told),
-            "pair": lambda call, by: self._letting_in.pair(str(call.payload.get("role", OPERATE)), by.told),
-            "open": lambda _call, by: self._letting_in.open(by.told),
-            "close": lambda _call, by: self._letting_in.close(by.told),
+            "phone": lambda _call, by: self._letting_in.phone(by.audit_name),
+            "pair": lambda call, by: self._letting_in.pair(str(call.payload.get("role", OPERATE)), by.audit_name),
+            "open": lambda _call, by: self._letting_in.open(by.audit_name),
+            "close": lambda _call, by: self._letting_in.close(by.audit_name),
         }
 
     def execute(
@@ -157,11 +157,13 @@ class Dispatcher:
         if why := _not_allowed(needed, by):
             return ConsoleResult(code=FAILED, text=why.text, reason_code=why.code)
         if by.is_recorded and RANKS[needed] > RANKS["view"]:
-            self._robot.record("line", by.told, line[:MOST_RECORDED])
+            self._robot.record("line", by.audit_name, line[:MOST_RECORDED])
         if isinstance(parsed, ExternalStop):
-            return ConsoleResult(code=DONE, text=self._robot.stop_external(parsed.command.name, by.told, by.source))
+            return ConsoleResult(
+                code=DONE, text=self._robot.stop_external(parsed.command.name, by.audit_name, by.source)
+            )
         if isinstance(parsed, ExternalCall):
-            return self._robot.run_external(parsed, by.told, by.origin, by.sent_s)
+            return self._robot.run_external(parsed, by.audit_name, by.origin, by.sent_s)
         if parsed.capability == EXECUTIVE:
             return self._built_in[parsed.command](parsed, by)
         return self._ask(parsed, by)
@@ -190,9 +192,11 @@ class Dispatcher:
         if answer is None:
             text = f"'{name}' did not answer; {self._why_silent(name)}"
             return ConsoleResult(code=FAILED, text=text, reason_code="unreachable")
-        return self._told(call, payload, answer, by)
+        return self._result_of(call, payload, answer, by)
 
-    def _told(self, call: VerbCall, payload: dict[str, Any], answer: dict[str, Any], by: _Speaker) -> ConsoleResult:
+    def _result_of(
+        self, call: VerbCall, payload: dict[str, Any], answer: dict[str, Any], by: _Speaker
+    ) -> ConsoleResult:
         if "accepted" not in answer:
             return ConsoleResult(code=DONE, text=json.dumps(answer), reason_code="done", data=answer)
         reason = str(answer.get("reason", ""))
@@ -242,11 +246,11 @@ class Dispatcher:
         return decoded if isinstance(decoded, dict) else {"answer": decoded}
 
     def _why_silent(self, name: str) -> str:
-        if (found := self._found(name)) is None:
+        if (found := self._status_of(name)) is None:
             return "it does not run"
         return f"it is {found.phase}" + (f": {found.reason}" if found.reason else "")
 
-    def _found(self, name: str) -> CapabilityStatus | None:
+    def _status_of(self, name: str) -> CapabilityStatus | None:
         return next((unit for unit in self._robot.status().capabilities if unit.name == name), None)
 
     def _stop(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
@@ -260,18 +264,18 @@ class Dispatcher:
         answers = wire.ask_all(self._bus, movers, payload, source=by.source, timeout_s=2.0, attachment=attachment)
         said = {movers[answer.key]: codec.decode(answer.payload) for answer in answers if answer.key in movers}
         silent = [name for name in movers.values() if name not in said and self._has_process(name)]
-        told = {name: _stopped(name, answer) for name, answer in said.items()}
+        outcomes = {name: _stopped(name, answer) for name, answer in said.items()}
         texts = [
-            *dict.fromkeys(text for text, _ in told.values()),
+            *dict.fromkeys(text for text, _ in outcomes.values()),
             *(f"'{name}' did not answer; {self._why_silent(name)}" for name in silent),
         ]
-        good = not silent and all(good for _, good in told.values())
+        good = not silent and all(good for _, good in outcomes.values())
         text = "; ".join(texts) or f"nothing runs that could move: {', '.join(movers.values())}"
         code = "done" if good else "unreachable" if silent else "refused"
         return ConsoleResult(code=DONE if good else FAILED, text=text, reason_code=code)
 
     def _has_process(self, name: str) -> bool:
-        return (found := self._found(name)) is not None and found.pid is not None
+        return (found := self._status_of(name)) is not None and found.pid is not None
 
     def _report(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
         name = str(call.payload.get("name", "telemetry"))
@@ -300,7 +304,7 @@ class Dispatcher:
 
     def _restart(self, call: VerbCall, _by: _Speaker) -> ConsoleResult:
         name = str(call.payload.get("name", ""))
-        if (found := self._found(name)) is not None and found.host and found.phase == "waiting":
+        if (found := self._status_of(name)) is not None and found.host and found.phase == "waiting":
             raise InputError(f"'{name}' does not run: {found.reason}", "unreachable")
         self._robot.restart(name)
         return ConsoleResult(code=DONE, text=f"'{name}' is restarting")
@@ -319,13 +323,15 @@ class Dispatcher:
             text = "Python runs at the terminal that started the robot, and nowhere else"
             return ConsoleResult(code=FAILED, text=text, reason_code="denied")
         self._robot.note("python", f"{by.source}: {code[:400]}", about=by.source)
-        out = io.StringIO()
+        printed = io.StringIO()
         try:
-            with contextlib.redirect_stdout(out):
+            with contextlib.redirect_stdout(printed):
                 value = _evaluate(code, self._namespace)
         except BaseException as err:  # noqa: BLE001 - whatever the operator typed, the console lives on
-            return ConsoleResult(code=FAILED, text=f"{out.getvalue()}{type(err).__name__}: {err}", reason_code="failed")
-        text = out.getvalue() + ("" if value is None else repr(value))
+            return ConsoleResult(
+                code=FAILED, text=f"{printed.getvalue()}{type(err).__name__}: {err}", reason_code="failed"
+            )
+        text = printed.getvalue() + ("" if value is None else repr(value))
         return ConsoleResult(code=DONE, text=text.rstrip("\n"))
 
 

@@ -320,13 +320,13 @@ class Emergency(Service):
 
     def _note(self, raw: wire.RawMessage) -> None:
         try:
-            said = _acknowledgements.decode(raw.payload)
+            acknowledgement = _acknowledgements.decode(raw.payload)
         except MalformedError:
             return
         mover = raw.key.rpartition("/")[2]  # the bus knows whose key it is; what a message says proves nothing
-        self._within_s[mover] = said.within_s
-        (self._stopped.add if said.stopped and said.engaged else self._stopped.discard)(mover)
-        if said.engaged and not self._engaged and not self._releasing:
+        self._within_s[mover] = acknowledgement.within_s
+        (self._stopped.add if acknowledgement.stopped and acknowledgement.engaged else self._stopped.discard)(mover)
+        if acknowledgement.engaged and not self._engaged and not self._releasing:
             self._alone.setdefault(mover, time.monotonic())
         else:
             self._alone.pop(mover, None)

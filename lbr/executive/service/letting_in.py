@@ -110,7 +110,7 @@ class LettingIn:
             "back."
         )
         told = str(place.get("reason", "")) if place is not None else f"'{name}' starts; 'qr' shows the address"
-        return ConsoleResult(code=0, text=f"{text}. {cost}\n{told}", data=_found(place))
+        return ConsoleResult(code=0, text=f"{text}. {cost}\n{told}", data=_place_data(place))
 
     def close(self, requester: str) -> ConsoleResult:
         """Have the server listen to this machine alone, unless it does."""
@@ -129,13 +129,13 @@ class LettingIn:
         """Return the row of the server for people: of several, one that runs, or is called as its kind is."""
         plan = self._robot.plan
         rows = [row for row in plan.rows.capabilities if row.name in plan.kinds and plan.kinds[row.name].rights.pairs]
-        found = min(rows, key=lambda row: (row.name not in plan.units, row.name != row.kind, row.name), default=None)
-        if found is None:
+        server = min(rows, key=lambda row: (row.name not in plan.units, row.name != row.kind, row.name), default=None)
+        if server is None:
             raise InputError("this robot has no server for people", "not_possible")
-        if found.name not in plan.units:
-            why = "its row is disabled" if not found.enabled else "the profile leaves it out"
-            raise InputError(f"'{found.name}' does not run: {why}", "unreachable")
-        return found
+        if server.name not in plan.units:
+            why = "its row is disabled" if not server.enabled else "the profile leaves it out"
+            raise InputError(f"'{server.name}' does not run: {why}", "unreachable")
+        return server
 
     def _opened(self, name: str, requester: str) -> bool:
         """Let a server listen to the network; return False if it does already."""
@@ -203,7 +203,7 @@ def _svg(url: str) -> str:
     return ""
 
 
-def _found(place: dict[str, Any] | None) -> dict[str, Any]:
+def _place_data(place: dict[str, Any] | None) -> dict[str, Any]:
     return (
         {"url": place.get("url", ""), "open": place.get("open"), "tls": place.get("tls")} if place is not None else {}
     )

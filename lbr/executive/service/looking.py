@@ -19,12 +19,12 @@ ANSWERS_WITHIN_S = 0.12
 def look(robot: Robot, bus: Session, *, asker: str = "", role: Role = "admin") -> Snapshot:
     """Return a robot as it is now; from any thread, in a fifth of a second."""
     plan = robot.plan
-    found = latest.ask(bus, streams(plan), source="executive", timeout_s=ANSWERS_WITHIN_S)
+    messages = latest.ask(bus, streams(plan), source="executive", timeout_s=ANSWERS_WITHIN_S)
     status = robot.status()
     return Snapshot(
         facts=facts(plan, status.profile),
         status=status,
-        messages={topic: Said(message=one.message, age_s=one.age_s) for topic, one in found.items()},
+        messages={topic: Said(message=one.message, age_s=one.age_s) for topic, one in messages.items()},
         events=tuple(robot.recent_events()),
         wall_ns=time.time_ns(),
         asker=asker,

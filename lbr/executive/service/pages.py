@@ -113,13 +113,13 @@ class Pages:
         with Database.open(self._path) as database:
             tables, schema = database.tables()
             revision = database.revision()
-        found = [
+        listed = [
             {"table": name, "rows": len(_own(tables, name, plan.robot)), "fixed": forms.fixed(row)}
             for name, row in classes.items()
             if name in schema
         ]
         if not table:
-            return ManageReply(accepted=True, revision=revision, data={"tables": found})
+            return ManageReply(accepted=True, revision=revision, data={"tables": listed})
         row = forms.of(table, schema, classes)
         data = {
             "table": table,
@@ -140,12 +140,12 @@ class Pages:
         return {}
 
     def _change(self, command: ChangeRows) -> ManageReply:
-        before, new = self._plan(), None
+        before, planned = self._plan(), None
 
         def judge(rows: RobotRows) -> tuple[Problem, ...]:
-            nonlocal new
+            nonlocal planned
             made, found = self._make(rows)
-            new = new or made
+            planned = planned or made
             return (*found, *_letting_in(before.rows, rows))
 
         with Database.open(self._path, program="executive") as database:
@@ -160,14 +160,14 @@ class Pages:
                 )
             except forms.ChangedError as err:
                 return self._changed(database, err)
-        touched, revision, problems = _touched(before, new), proposed.revision, proposed.problems
+        touched, revision, problems = _touched(before, planned), proposed.revision, proposed.problems
         if problems:
-            told = tuple(
+            row_problems = tuple(
                 RowProblem(**asdict(replace(one, row=one.row.removeprefix(f"{before.robot}/")))) for one in problems
             )
             more = f"; and {len(problems) - 1} more" * (len(problems) > 1)
             refusal = self.refused(f"{problems[0]}{more}", "bad_value")
-            return replace(refusal, revision=revision, problems=told, touched=touched)
+            return replace(refusal, revision=revision, problems=row_problems, touched=touched)
         return ManageReply(accepted=True, revision=revision, touched=touched)
 
     def _undo(self, command: UndoRows) -> ManageReply:
@@ -270,11 +270,11 @@ def _touched(before: Plan, new: Plan | None) -> Touched | None:
 
 
 def _listed(command: ChangeRows) -> str:
-    told = []
+    entries = []
     for change in command.changes:
         before, after = change.before or {}, change.after or {}
         name = before.get("name", after.get("name", ""))
         what = "deleted" if change.after is None else "new" if change.before is None else ""
         columns = ", ".join(key for key, value in after.items() if value != before.get(key))
-        told.append(f"{change.table} '{short(name)}' ({what or columns})")
-    return ", ".join(told)[:300]
+        entries.append(f"{change.table} '{short(name)}' ({what or columns})")
+    return ", ".join(entries)[:300]

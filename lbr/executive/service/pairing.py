@@ -30,11 +30,11 @@ class Code(Struct, frozen=True, kw_only=True):
 
 
 class Try(Struct, frozen=True, kw_only=True):
-    """The result of a try: `code` if it was right. `left` are the wrong tries that the code still bears, None without a
+    """The result of a try: `code` if it was right. `tries_left` are the wrong tries that the code still bears, None without a
     code; `from_there` is how often that address was wrong since the robot started."""
 
     code: Code | None = None
-    left: int | None = None
+    tries_left: int | None = None
     from_there: int = 0
 
 
@@ -87,7 +87,7 @@ class Pairing:
         left = WRONG_TRIES - self._wrong
         if left <= 0:
             self._code = None
-        return Try(left=left, from_there=from_there)
+        return Try(tries_left=left, from_there=from_there)
 
     def _living(self) -> Code | None:
         if self._code is not None and self._clock() >= self._code.ends_s:

@@ -53,11 +53,11 @@ class Grants:
 
     def grant(self, name: str, code: codes.Code, asked: PairCommand, *, since_s: float) -> PairReply:
         """Make the token of a code that was right, for a device that came by a capability, which asked at `since_s`."""
-        taken = [one.name for one in self._database.tokens()]
+        names = [one.name for one in self._database.tokens()]
         address = one_line(asked.address)
         made = credentials.new_token(
             self._database,
-            credentials.device_name(asked.name, taken),
+            credentials.device_name(asked.name, names),
             code.role,
             good_for="web",
             paired_from=address,
@@ -125,7 +125,7 @@ class PairingService(Service):
         request.reply(reply, EXECUTIVE)
 
     def _tell(self, name: str, address: str, tried: Try, now: float) -> None:
-        if tried.left is None:
+        if tried.tries_left is None:
             self._unheard += 1
             if now < self._tell_at:
                 return
@@ -133,8 +133,8 @@ class PairingService(Service):
             tries = "a code was tried" if self._unheard == 1 else f"{self._unheard} codes were tried"
             text = f"{tries} while none was good, the last by {address} ({tried.from_there} from there since the start)"
             self._unheard = 0
-        elif tried.left:
-            text = f"{address} tried a wrong code ({tried.from_there} from there since the start); {tried.left} more, and it ends"
+        elif tried.tries_left:
+            text = f"{address} tried a wrong code ({tried.from_there} from there since the start); {tried.tries_left} more, and it ends"
         else:
             text = f"{address} tried a wrong code ({tried.from_there} from there since the start): that was one too many, and it has ended"
         self._happened("pair_refused", name, text, "warning")

@@ -67,9 +67,9 @@ class Reports:
 
     def telemetry(self) -> dict[str, Any]:
         """Return what every stream but pictures last said, and how long ago."""
-        return self._said(key for _, _, key, message in self._robot.plan.outputs() if message is not JpegFrame)
+        return self._latest(key for _, _, key, message in self._robot.plan.outputs() if message is not JpegFrame)
 
-    def _said(self, keys: Iterable[str]) -> dict[str, Any]:
+    def _latest(self, keys: Iterable[str]) -> dict[str, Any]:
         """Return the latest of streams by capability and output; all are asked at once."""
         found = latest.ask(self._bus, keys, source="executive", timeout_s=ANSWERS_WITHIN_S)
         return {
@@ -100,12 +100,12 @@ class Reports:
     def _statistics(self) -> dict[str, Any]:
         status = self._robot.status()
         fields = ("rates_hz", "restarts", "uptime_s", "cpu_percent", "memory_mb")
-        found = {unit.name: {field: getattr(unit, field) for field in fields} for unit in status.capabilities}
-        drives = self._said(
+        statistics = {unit.name: {field: getattr(unit, field) for field in fields} for unit in status.capabilities}
+        drives = self._latest(
             key for *_, key, message in self._robot.plan.outputs() if message in {DriveState, JointsState}
         )
         loops = {f"{name.partition('/')[0]}/loop": said.get("loop") for name, said in drives.items()}
-        return found | {name: loop for name, loop in loops.items() if loop}
+        return statistics | {name: loop for name, loop in loops.items() if loop}
 
     def health(self) -> str:
         """Return how every capability is, in lines."""
