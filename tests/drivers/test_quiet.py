@@ -1,10 +1,10 @@
-"""When an inertial unit counts as lying still, and is asked less often."""
+"""When an inertial unit counts as lying still, and is asked and reported less often."""
 
 import random
 
 import pytest
 
-from lbr.drivers.inertial import QUIET_S, Quiet
+from lbr.drivers.inertial import LATE_S, QUIET_S, SLOW_RPS, Quiet, RestingSamples
 from lbr.messages.imu import ImuSample
 
 GYRO_ZERO = (0.3, -0.2, 0.1)
@@ -76,3 +76,40 @@ def test_a_turn_at_an_even_rate_becomes_quiet_and_its_end_is_seen_at_once(unit):
     unit.say(QUIET_S + 0.1, turn_rps=1.0)
     assert unit.say(turn_rps=1.0)
     assert not unit.say(turn_rps=0.9)
+
+
+def reading(time_s, gyro_rps=(0.01, 0.0, -0.02), accel_mps2=(0.0, 0.0, 9.8), **more):
+    return ImuSample(valid=True, time_s=time_s, gyro_rps=gyro_rps, accel_mps2=accel_mps2, **more)
+
+
+def test_two_readings_at_rest_are_one_sample_of_their_mean():
+    resting, field = RestingSamples(), (20.0, 1.0, -40.0)
+    assert resting.take(reading(1.0, mag_ut=field), quiet=True) == []
+    (sample,) = resting.take(reading(1.04, (0.03, 0.0, -0.02), (0.0, 0.2, 9.8)), quiet=True)
+    assert (sample.time_s, sample.span_s) == (1.04, pytest.approx(0.04))
+    assert sample.gyro_rps == pytest.approx((0.02, 0.0, -0.02))
+    assert sample.accel_mps2 == pytest.approx((0.0, 0.1, 9.8))
+    assert sample.mag_ut == field
+
+
+@pytest.mark.parametrize(
+    ("newest", "quiet"),
+    [
+        (reading(1.04, (0.01, 0.0, 0.4)), False),
+        (reading(1.04, (0.01, 0.0, SLOW_RPS)), True),
+        (ImuSample(valid=False, time_s=1.04, reason="i2c"), False),
+    ],
+    ids=["moves", "turns evenly", "not measured"],
+)
+def test_a_motion_is_a_sample_at_once_and_no_reading_before_it_is_lost(newest, quiet):
+    resting, first = RestingSamples(), reading(1.0)
+    assert resting.take(first, quiet=True) == []
+    assert resting.take(newest, quiet=quiet) == [first, newest]
+    assert resting.take(newest, quiet=quiet) == [newest]
+
+
+def test_readings_with_a_gap_between_them_are_not_one_sample():
+    resting, first, later = RestingSamples(), reading(1.0), reading(1.0 + 2 * LATE_S)
+    assert resting.take(first, quiet=True) == []
+    assert resting.take(later, quiet=True) == [first]
+    assert resting.take(reading(later.time_s + 0.04), quiet=True)[0].span_s == pytest.approx(0.04)

@@ -1,12 +1,13 @@
-"""The MPU-9150 as a capability: one sample at each tick, an invalid one where nothing was measured.
+"""The MPU-9150 as a capability: one reading at each tick, an invalid sample where nothing was measured.
 
-While it lies still there are fewer ticks; a sample that says otherwise brings all of them back.
+While it lies still there are fewer ticks, and two readings are one sample. A reading of a motion is published at once
+and brings all of them back.
 """
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Context
 from lbr.drivers.i2c import open_bus
-from lbr.drivers.inertial import QUIET_HZ, LifeSigns, Notices, Quiet
+from lbr.drivers.inertial import QUIET_HZ, LifeSigns, Notices, Quiet, RestingSamples
 from lbr.drivers.mpu9150 import Mpu9150Settings
 from lbr.drivers.mpu9150.controller import InertialUnit
 from lbr.drivers.mpu9150.registers import ADDRESS
@@ -25,6 +26,7 @@ class Mpu9150(Capability[Mpu9150Settings]):
         self._notices = Notices(ctx)
         self._signs = LifeSigns(MOST_ALIKE)
         self._quiet = Quiet()
+        self._resting = RestingSamples()
         self._unit: InertialUnit | None = None
         self._compass_trouble = ""
 
@@ -37,6 +39,7 @@ class Mpu9150(Capability[Mpu9150Settings]):
         bus, address = open_bus(device, ADDRESS)
         self._unit = InertialUnit(bus, address, device, settings, tell, self._signs, self.ctx.clock)
         self._unit.start()
+        self._resting = RestingSamples()
         self._compass_trouble = ""
 
     def step(self) -> None:
@@ -45,10 +48,11 @@ class Mpu9150(Capability[Mpu9150Settings]):
         assert unit is not None
         if not self.ctx.on_tick:
             return
-        sample = unit.sample()
-        self.ctx.publish("sample", sample)
-        full_hz = self.ctx.settings.rate_hz
-        self.rate_hz = min(full_hz, QUIET_HZ) if self._quiet.look(sample) else full_hz
+        reading = unit.sample()
+        quiet, full_hz = self._quiet.look(reading), self.ctx.settings.rate_hz
+        for sample in self._resting.take(reading, quiet=quiet):
+            self.ctx.publish("sample", sample)
+        self.rate_hz = min(full_hz, QUIET_HZ) if quiet else full_hz
         if unit.compass_trouble != self._compass_trouble:
             self._compass_trouble = unit.compass_trouble
             if self._compass_trouble:

@@ -103,7 +103,7 @@ class Fusion:
         last = self._last
         if last is not None and 0.0 <= last.time_s - sample.time_s < 1.0:
             return
-        missed, gap_s = self._missed, 0.0 if last is None else sample.time_s - last.time_s
+        missed, gap_s = self._missed, 0.0 if last is None else sample.time_s - sample.span_s - last.time_s
         self._missed = self._suspicion.jump(last, sample.gyro_rps, gap_s)
         if self._missed:
             return
@@ -189,7 +189,7 @@ class Fusion:
         if not self._began:
             self._begin(accel, rate)
         elif dt > 0.0:
-            self._turn(rate, accel, dt)
+            self._turn(rate, accel, dt, sample.span_s)
         if field is not None:
             self._look(sample.time_s, field)
 
@@ -208,13 +208,14 @@ class Fusion:
         self._began, self._up = True, up
         self._rate_dps = -dot(rate, up) * _DEG
 
-    def _turn(self, rate: Vector, accel: Vector, dt: float) -> None:
+    def _turn(self, rate: Vector, accel: Vector, gap_s: float, span_s: float) -> None:
+        """Take in a rate at the end of a gap, or the mean one over a span behind it."""
         ahrs = self._ahrs
-        ahrs.set_sample_period(dt)
+        ahrs.set_sample_period(gap_s + span_s)
         ahrs.update_no_magnetometer(scaled(rate, _DEG), scaled(accel, 1.0 / G_MPS2))
         self._up = tuple(ahrs.get_gravity().tolist())
         before_dps, self._rate_dps = self._rate_dps, -dot(rate, self._up) * _DEG
-        self._turned_deg += 0.5 * (before_dps + self._rate_dps) * dt
+        self._turned_deg += 0.5 * (before_dps + self._rate_dps) * gap_s + self._rate_dps * span_s
 
     def _look(self, time_s: float, field: Vector) -> None:
         """Let the compass pull the heading, unless its field is disturbed."""
