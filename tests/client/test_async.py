@@ -1,8 +1,6 @@
 """A robot in an event loop: what it keeps moving goes on only while that loop runs."""
 
 import asyncio
-import os
-import signal
 from contextlib import asynccontextmanager
 
 import pytest
@@ -10,21 +8,7 @@ import pytest
 from lbr import client
 from lbr.client import aio
 from tests.client.wheels import turning, wheels
-from tests.support import programs
-from tests.support import robot as robots
 from tests.support.waiting import until
-
-DRIVING = """
-import asyncio
-from lbr_client import aio
-
-async def main():
-    async with aio.connect() as robot, robot.drive(0.15, 180, at_most_s=20) as motion:
-        print("drives", flush=True)
-        await motion.wait()
-
-asyncio.run(main())
-"""
 
 
 @asynccontextmanager
@@ -155,21 +139,6 @@ def test_motion_that_is_taken_away_is_told_at_the_end_of_its_with(robot, running
                 await motion.__aexit__(None, None, None)
 
     asyncio.run(main())
-
-
-@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGSTOP])
-def test_the_wheels_stand_when_a_program_with_a_loop_is_ended(end, alone, running, home):
-    running.say("reset")
-    command = [alone, "-I", "-c", DRIVING]
-    program = programs.start(command, env=robots.environment(home), stdout=-1, stderr=-1, text=True)
-    try:
-        assert program.stdout.readline() == "drives\n", program.communicate()
-        until(lambda: turning(running))
-        os.kill(program.pid, end)
-        until(lambda: wheels(running) == (0.0, 0.0))
-    finally:
-        program.kill()
-        program.communicate()
 
 
 def test_a_motion_of_the_blocking_robot_is_kept_while_its_program_waits_and_no_longer_than_it_may(robot, running):

@@ -139,13 +139,6 @@ def test_another_ones_stop_and_the_emergency_stop_end_it_with_their_code(robot, 
     robot.reset()
 
 
-def test_a_second_program_is_told_who_holds_it(robot):
-    with borrowed(robot, power=0.1, angle_deg=180), client.connect(name="another") as second:
-        with pytest.raises(client.RefusalError, match="held by") as refused:
-            second.borrow("drive/command", power=0.1)
-        assert refused.value.code == "held"
-
-
 @pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGSTOP])
 def test_the_distribution_drives_without_lbr_and_the_wheels_stand_when_its_program_is_ended(end, alone, running, home):
     running.say("reset")

@@ -146,16 +146,6 @@ def test_a_faster_rate_is_a_setting():
     assert Robot(rate_hz=100).drive.rate_hz == 100
 
 
-def test_a_command_moves_the_base_until_it_is_no_longer_renewed(robot):
-    call = robot.send(robot.ctx.command(0.5))
-    assert call.answer.accepted
-    robot.run(1.0, renewing(robot, call))
-    assert robot.wheels == pytest.approx((0.5, 0.5))
-    robot.run(0.32)
-    assert robot.wheels == (0.0, 0.0)
-    assert ("lapsed", "console") in [(kind, text.partition(":")[0]) for kind, text in robot.ctx.events]
-
-
 def test_lease_ids_do_not_repeat_and_cannot_be_guessed(robot):
     leases = set()
     for _ in range(20):
@@ -208,9 +198,9 @@ def test_it_is_ready_once_all_that_feeds_it_has_come_and_the_motors_are_armed():
     robot.ctx.arrive("odometry", OdometryState(valid=False, epoch="e"))
     robot.ctx.arrive("motors", motors(armed=False, reason="no zero setpoint yet"))
     robot.drive.step()
-    assert robot.drive.lacks().code == "not_armed"
+    assert (robot.drive.lacks().code, robot.ctx.estop.follows) == ("not_armed", False)
     robot.run(0.1)
-    assert robot.drive.lacks() is None
+    assert (robot.drive.lacks(), robot.ctx.estop.follows) == (None, True)
     robot.ctx.estop.engaged = True
     robot.drive.step()
     assert robot.drive.lacks().code == "estop"
@@ -473,15 +463,6 @@ def test_a_turn_and_a_heading_are_commands_like_any_other(robot):
     assert robot.send(robot.ctx.head(5.0, lease=begun.answer.lease)).answer.accepted
     assert robot.ctx.said("state")[-1].angle_deg == -90.0
     assert [result.result for result in robot.ctx.said("result")] == ["superseded"]
-
-
-def test_a_turn_without_an_attitude_is_refused_and_one_that_loses_it_ends(robot, wording):
-    assert robot.send(robot.ctx.turn(90.0)).answer.code == "stale_sensor"
-    attitude(robot)
-    begun = robot.send(robot.ctx.turn(90.0))
-    robot.run(0.3, lambda: robot.send(robot.ctx.turn(90.0, lease=begun.answer.lease)))
-    assert robot.wheels == (0.0, 0.0)
-    wording(robot.ctx.said("result")[-1])
 
 
 def test_a_distance_is_driven_by_the_odometry(robot):

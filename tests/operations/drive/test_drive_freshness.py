@@ -33,18 +33,6 @@ def confirmed(bench, power=0.5, *, sender_s=nan, **more):
 # on this machine
 
 
-def test_a_command_that_came_later_than_a_lease_lives_moves_nothing(bench):
-    late = bench.drive(0.5, sent=bench.now - 0.31)
-    assert (late.code, "0.3 s" in late.reason) == ("late", True)
-    assert bench.drive(0.5, sent=bench.now - 0.29).accepted
-
-
-def test_a_command_from_the_future_moves_nothing(bench):
-    early = bench.drive(0.5, sent=bench.now + 1.0)
-    assert (early.code, "date" in early.reason) == ("late", True)
-    assert not bench.drive(0.5, sent=nan).accepted
-
-
 def test_a_command_that_began_something_begins_nothing_again(bench):
     sent = bench.now
     assert bench.drive(0.5, ttl_s=0.1, sent=sent).accepted
@@ -157,18 +145,6 @@ def test_a_flood_of_senders_through_the_emergency_stop_lets_none_of_them_through
 # from afar
 
 
-def test_a_motion_from_afar_waits_until_its_lease_is_quoted(bench):
-    offer = bench.drive_from_afar(0.5)
-    assert (offer.accepted, offer.ttl_s) == (True, 0.3)
-    bench.run(0.1)
-    assert bench.wheels == STILL
-    assert reason(bench) == "waiting for page to confirm"
-    assert bench.drive_from_afar(0.5, lease=offer.lease).lease == offer.lease
-    bench.run(0.1)
-    assert bench.wheels != STILL
-    assert bench.state.lease.source == "page"
-
-
 def test_what_was_not_confirmed_in_time_is_dead(bench):
     offer = bench.drive_from_afar(0.5, interval_s=2.0)
     bench.run(0.32)
@@ -198,13 +174,6 @@ def test_a_bounded_move_starts_its_clock_at_the_confirmation(bench):
     assert bench.results == []
     bench.run(0.04)
     assert [(each.goal, each.result) for each in bench.results] == [(offer.goal, "interval")]
-
-
-def test_a_confirmation_with_another_motion_ends_the_move_that_was_offered(bench):
-    offer = bench.drive_from_afar(0.5, interval_s=0.2)
-    bench.now += 0.05
-    assert bench.drive_from_afar(0.5, lease=offer.lease).goal == ""
-    assert [(each.goal, each.result) for each in bench.results] == [(offer.goal, "superseded")]
 
 
 def test_an_offer_holds_nobody_up_and_ends_nobodys_motion(bench):
@@ -373,41 +342,3 @@ def test_a_stop_without_a_date_counts_as_now(bench):
     assert not bench.drive(0.5, sent=sent).accepted
     bench.now += 0.01
     assert bench.drive(0.5).accepted
-
-
-# who holds it, for the record
-
-
-def holders(bench):
-    return [(each.text, dict(each.data)) for each in bench.events if each.kind == "holder"]
-
-
-def test_every_change_of_holder_is_told(bench):
-    bench.drive(0.5)
-    bench.now += 0.01
-    bench.drive(0.5, source="phone", take_over=True)
-    bench.stop("page", "enough")
-    assert holders(bench) == [
-        ("console took the base", {"took": "console"}),
-        (
-            "phone took the base from console",
-            {"took": "phone", "lost": "console", "why": "taken over by phone"},
-        ),
-        (
-            "phone lost the base: stopped by page: enough",
-            {"lost": "phone", "why": "stopped by page: enough"},
-        ),
-    ]
-    assert reason(bench) == "stopped by page: enough"
-
-
-def test_a_flood_of_changes_is_counted_instead_of_told(bench):
-    for _ in range(100):
-        bench.now += 0.001
-        bench.drive(0.5)
-        bench.stop()
-    assert len(holders(bench)) <= 21
-    bench.now += 1.0
-    bench.sense()
-    bench.drive(0.5)
-    assert "180 changes" in holders(bench)[-1][0]

@@ -86,11 +86,6 @@ def test_nonsense_is_refused_and_named(bench, fields, complaint):
     assert bench.wheels == STILL
 
 
-def test_another_sender_is_told_who_holds_the_robot(bench):
-    moving(bench)
-    assert bench.drive(0.2, source="phone").reason == "held by console; stop it first"
-
-
 def test_taking_over_ends_the_other_lease_and_begins_at_zero(bench):
     first = moving(bench)
     second = bench.drive(0.5, source="phone", take_over=True)
@@ -98,17 +93,6 @@ def test_taking_over_ends_the_other_lease_and_begins_at_zero(bench):
     assert bench.setpoints[-2].left == 0.0
     assert bench.setpoints[-1].left < 0.1
     assert bench.drive(0.5, lease=first.lease).reason == "lease is dead: taken over by phone"
-
-
-def test_an_unknown_lease_is_dead(bench):
-    assert bench.drive(0.5, lease="abc").reason.startswith("lease is dead: it is not known here")
-
-
-def test_nothing_is_accepted_before_the_motors_were_heard():
-    bench = Bench.__new__(Bench)
-    Bench.__init__(bench)
-    bench.lose_motors("not heard yet")
-    assert bench.drive(0.5).reason == "not heard yet"
 
 
 def test_motors_that_are_not_armed_are_named_with_their_reason(bench, wording):
@@ -164,12 +148,6 @@ def test_renewals_keep_it_moving_and_silence_stops_it(bench):
     assert bench.wheels == STILL
     late = bench.drive(0.5, lease=reply.lease)
     assert (late.code, late.cause) == ("dead_lease", "lapsed")
-
-
-def test_a_renewal_that_comes_at_the_very_end_is_too_late(bench):
-    reply = bench.drive(0.5)
-    bench.now += 0.3
-    assert not bench.drive(0.5, lease=reply.lease).accepted
 
 
 def test_a_changed_command_keeps_the_lease(bench):
@@ -232,13 +210,6 @@ def test_a_changed_command_may_run_anew():
     assert bench.wheels == pytest.approx((0.4, 0.4))
 
 
-def test_a_stop_outlives_a_command_that_came_before_it(bench):
-    bench.stop()
-    assert bench.drive(0.5, sent=bench.now - 0.01).code == "stopped"
-    bench.now += 0.01
-    assert bench.drive(0.5).accepted
-
-
 # faults
 
 
@@ -271,27 +242,6 @@ def test_motors_that_fall_silent_end_the_lease(bench):
     bench.run(0.4, renewing(bench, reply))
     assert bench.wheels == STILL
     assert "silent" in bench.replies[-1].reason
-
-
-def test_a_latched_emergency_stop_refuses_and_its_reset_moves_nothing(bench):
-    bench.estop(True)
-    assert bench.drive(0.5).reason == "emergency stop: button; 'reset' releases it"
-    bench.estop(False)
-    bench.run(0.5)
-    assert bench.wheels == STILL
-    assert bench.drive(0.5).accepted
-
-
-def test_a_stream_of_new_commands_through_the_latch_does_not_move_it_at_the_reset(bench):
-    bench.estop(True)
-    bench.run(0.5, lambda: bench.drive(0.5))
-    bench.estop(False)
-    bench.run(2.0, lambda: bench.drive(0.5))
-    assert bench.wheels == STILL
-    assert bench.replies[-1].code == "rest_first"
-    bench.drive(0.0)
-    bench.now += 0.02
-    assert bench.drive(0.5).accepted
 
 
 # bounded moves

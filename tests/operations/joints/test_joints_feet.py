@@ -68,7 +68,7 @@ def test_a_lapse_does_so_too_and_its_mover_is_lost_afterwards(bench):
     assert bench.setpoint.lost
 
 
-@pytest.mark.parametrize("how", ["again", "other", "estop", "holder", "servos", "latched", "torque", "clock"])
+@pytest.mark.parametrize("how", ["again", "other", "estop", "holder", "servos", "latched", "torque", "driver", "clock"])
 def test_whatever_else_comes_holds_at_once(bench, how):
     lease = steps(bench)
     if how == "holder":
@@ -93,6 +93,9 @@ def test_whatever_else_comes_holds_at_once(bench, how):
         bench.run(0.02)
     elif how == "torque":
         bench.torque("left_knee", on=False)
+        bench.run(0.02)
+    elif how == "driver":
+        bench.servos.obey, bench.servos.phase = lambda _setpoint: None, "holding"
         bench.run(0.02)
     else:
         bench.now -= 5.0

@@ -301,13 +301,6 @@ def test_a_stop_of_what_stands_leaves_a_joint_that_sags_a_little_its_goal(bench)
     assert bench.goals["right_knee"] == pytest.approx(-0.3)
 
 
-def test_what_was_sent_before_a_stop_moves_nothing_after_it(bench):
-    sent = bench.now
-    bench.run(0.05)
-    bench.stop()
-    assert bench.command(SLOW, received=sent).code == "stopped"
-
-
 def test_the_emergency_stop_ends_everything_and_its_reset_moves_nothing(bench):
     reply = bench.command(SLOW, duration_s=2.0)
     bench.run(0.2, reply.lease)
@@ -634,13 +627,6 @@ def test_a_lease_that_stays_outlives_arrival_until_it_lapses_or_somebody_stops(b
     bench.stop()
     assert [result.result for result in bench.results] == ["stopped"]
     assert not bench.command({"left_knee": -0.3}, join=True, stay=True, lease=lease).accepted
-
-
-def test_a_lease_that_stays_lapses_as_any_other(bench):
-    lease = bench.command({"left_knee": -0.3}, join=True, stay=True).lease
-    bench.run(2.0, lease)
-    bench.run(0.5)
-    assert [result.result for result in bench.results] == ["lapsed"]
 
 
 def test_a_stay_is_over_when_a_later_command_does_not_stay(bench):

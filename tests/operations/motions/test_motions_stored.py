@@ -86,13 +86,6 @@ def test_joints_that_are_stopped_or_taken_at_the_end_of_one_do_not_begin_the_nex
     assert world.said("result")[-1].result in {"stopped", "superseded"}
 
 
-def test_a_second_motion_is_told_that_one_is_played(stage):
-    stage.begun("stand")
-    assert stage.play("sit", source="pad").answer.reason == (
-        "busy: 'stand' is played by console; stop it, or take over"
-    )
-
-
 @pytest.mark.parametrize("who", ["motions", "joints"])
 def test_what_was_stopped_is_told_as_stopped_whichever_of_the_two_hears_of_it_first(stage, world, who):
     call = stage.begun("stand")

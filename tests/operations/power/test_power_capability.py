@@ -197,14 +197,6 @@ def test_an_emulated_supply_never_asks_the_computer_that_it_runs_on(make):
     assert running.state.phase == "watching"
 
 
-def test_it_is_disarmed_at_first_and_says_so_when_it_matters(make):
-    running = make()
-    running.go(20.0, EMULATED_LOW)
-    assert (running.state.phase, running.state.armed) == ("disarmed", False)
-    assert "not armed" in running.ctx.events[0][1]
-    assert running.ctx.body.asked("park", "let_go") == []
-
-
 def test_what_was_armed_is_kept_with_its_thresholds_over_a_restart(make):
     running = make()
     running.arm(warn_v=11.2, shutdown_v=10.8)
