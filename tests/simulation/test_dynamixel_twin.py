@@ -556,16 +556,6 @@ def test_moves_a_body_and_feels_it(twin):
     assert twin.bus.servos[3].felt.position_rad == 0.1
 
 
-def test_unplugged_it_is_gone_and_comes_back(twin):
-    twin.fault("unplug", True)
-    twin.service(101.0)
-    assert not twin.port.path.exists()
-    assert twin.watched() is None
-    twin.fault("replug", True)
-    twin.service(102.0)
-    assert twin.port.path.exists()
-
-
 def test_a_fault_of_no_servo_is_refused(twin):
     with pytest.raises(InputError, match="fault 'silent'"):
         twin.fault("silent", "300")

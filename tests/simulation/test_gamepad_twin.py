@@ -63,19 +63,3 @@ def test_a_press_and_a_release_between_two_rounds_of_the_world_are_both_said(tmp
     finally:
         os.close(descriptor)
         twin.close()
-
-
-def test_on_its_port_a_press_arrives_and_a_pulled_cable_is_one(tmp_path):
-    twin = GamepadTwin(Device("pad", "gamepad", str(tmp_path / "pad"), {}), AROUND)
-    twin.service(0.0)
-    descriptor = os.open(twin.port.path, os.O_RDONLY | os.O_NOCTTY)
-    try:
-        tty.setraw(descriptor)
-        assert twin.fault("pressed", "tl,a")["pressed"] == ("tl", "a")
-        twin.service(1.0)
-        assert {record[3] for record in records(os.read(descriptor, 500))} == {0x136, 0x130, 0}
-    finally:
-        os.close(descriptor)
-    twin.fault("unplug", True)
-    twin.service(2.0)
-    assert not twin.port.path.is_symlink()

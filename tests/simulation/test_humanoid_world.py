@@ -1,29 +1,27 @@
 """The running world of a humanoid as a driver and a bus client meet it: real ttys and sockets, real time."""
 
-import threading
-import time
 from math import radians
 
 import pytest
 import serial
 from PIL import Image
 
-from lbr.capability import twins
 from lbr.capability.context import Device
 from lbr.simulation.humanoid import KIND
 from lbr.simulation.humanoid.capability import HumanoidWorld
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
-from lbr.simulation.requests import FaultRequest, PickUpRequest, PictureRequest, PlugRequest
-from lbr.testing import FakeCall
+from lbr.simulation.requests import PickUpRequest, PictureRequest, PlugRequest
 from tests.simulation.humanoid_bench import rows
+from tests.simulation.world_bench import Bench as WorldBench
 from tests.simulation.world_bench import WorldContext
-from tests.support.waiting import HANG_S
 
 STEP_RAD = radians(300.0 / 1023.0)
 LEFT_ARM = 4
 
 
-class Bench:
+class Bench(WorldBench):
+    """The world of a Bioloid."""
+
     def __init__(self, folder, **settings):
         self.bus_path = folder / "servo_bus"
         devices = (
@@ -31,30 +29,13 @@ class Bench:
             Device("imu", "phidget_spatial", f"unix:{folder}/imu", {}),
             Device("ups", "pico", f"unix:{folder}/ups", {}),
         )
-        self.ctx = WorldContext(
-            HumanoidWorldSettings(**{"model": "bioloid", "hand_s": 0.2, **settings}), devices, kind=KIND
-        )
-        self.ctx.robot, self.ctx.home, self.ctx.given = "bioloid", str(folder), rows()[0]
-        self.world = HumanoidWorld(self.ctx)
+        ctx = WorldContext(HumanoidWorldSettings(**{"model": "bioloid", "hand_s": 0.2, **settings}), devices, kind=KIND)
+        ctx.robot, ctx.home, ctx.given = "bioloid", str(folder), rows()[0]
+        self._run(HumanoidWorld, ctx)
 
     @property
     def pose(self):
         return self.ctx.said("pose")[-1]
-
-    def ask(self, name, message, **more):
-        call = FakeCall(name, message, **more)
-        self.world.command(call)
-        return call
-
-    def until(self, condition):
-        """Step as the runtime would until something is true."""
-        pause, end = threading.Event(), time.monotonic() + HANG_S
-        while time.monotonic() < end:
-            self.world.step()
-            if condition():
-                return True
-            pause.wait(0.01)
-        return False
 
 
 class Client:
@@ -149,37 +130,9 @@ def test_a_picture_shows_it_from_two_sides(bench, tmp_path):
             assert 0.03 < drawn / (300 * 290) < 0.5
 
 
-def test_faults_reach_the_devices(bench):
-    call = bench.ask("fault", FaultRequest(device="servo_bus", name="unplug"))
-    assert call.answer.faults["unplug"] is True
-    assert bench.until(lambda: not bench.bus_path.is_symlink())
-    assert "no emulated device 'leg'" in bench.ask("fault", FaultRequest(device="leg", name="unplug")).refused
-
-
-def test_every_device_of_the_robot_has_its_twin_and_what_its_row_may_set_is_known(bench):
-    assert bench.ctx.health == []
-    assert KIND.rights.emulates
-    assert {device.type for device in bench.ctx.devices} <= set(twins.names())
-
-
-def test_when_the_world_ends_its_devices_are_gone(bench, tmp_path):
-    assert bench.until((tmp_path / "imu").is_socket)
-    bench.world.close()
-    assert not (tmp_path / "imu").exists()
-    assert not bench.bus_path.is_symlink()
-
-
-def test_a_device_is_plugged_in_while_it_stands_and_no_second_servo_bus(bench, tmp_path):
+def test_no_second_servo_bus_is_plugged_in_while_it_stands(bench, tmp_path):
     bench.ctx.home = str(tmp_path)
-    places = {name: tmp_path / "run" / f"{bench.ctx.robot}-devices" / name for name in ("ahrs", "arm")}
-    plug = {
-        name: bench.ask("plug", PlugRequest(device=name, type=type_, address=str(places[name])))
-        for name, type_ in (("ahrs", "riox"), ("arm", "dynamixel"))
-    }
-    assert plug["ahrs"].answer.accepted, plug["ahrs"].refused
-    assert "'arm' moves what is in the world" in plug["arm"].refused
-    end = time.monotonic() + 3.0
-    while not places["ahrs"].exists():
-        assert time.monotonic() < end
-        time.sleep(0.01)
-    assert not places["arm"].exists()
+    place = tmp_path / "run" / "bioloid-devices" / "arm"
+    call = bench.ask("plug", PlugRequest(device="arm", type="dynamixel", address=str(place)))
+    assert "'arm' moves what is in the world" in call.refused
+    assert not place.exists()

@@ -1,21 +1,14 @@
 """The emulated infrared receiver: the kernel's records, as `struct lirc_scancode` lays them out."""
 
 import itertools
-import os
 import struct
-import tty
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.capability.context import Device
-from lbr.errors import InputError
-from lbr.simulation.devices.infrared import InfraredFaults
+from lbr.simulation.devices.infrared import BeamCodes, InfraredFaults
 from lbr.simulation.devices.infrared.device import InfraredReceiver
-from lbr.simulation.devices.infrared.twin import InfraredTwin
-from lbr.simulation.measured import Sensed
-from tests.simulation.world_bench import AROUND
 
 CODES = {"left": 1, "right": 2, "power": 3}
 
@@ -85,32 +78,5 @@ def test_whenever_it_is_asked_records_are_whole(beams, pauses):
         assert all(record[4] in CODES.values() for record in records(made.poll(now)))
 
 
-def sensed(*beams):
-    pair = (0.0, 0.0)
-    return Sensed(
-        battery_v=12.0, amps_a=pair, battery_amps_a=pair, counts=(0, 0), speeds_rpm=pair, ranges_m={},
-        beams=frozenset(beams),
-    )  # fmt: skip
-
-
-def test_on_its_port_whole_records_arrive(tmp_path):
-    device = Device("dock_receiver", "infrared", str(tmp_path / "ir"), {"codes": {"left": "0x15", "power": None}})
-    twin = InfraredTwin(device, AROUND)
-    twin.service(0.0)
-    descriptor = os.open(twin.port.path, os.O_RDONLY | os.O_NOCTTY)
-    try:
-        tty.setraw(descriptor)
-        twin.sense(sensed("left", "power"))
-        twin.service(1.0)
-        assert struct.unpack("<QHHIQ", os.read(descriptor, 100)) == (1_000_000_000, 0, 7, 0, 0x15)
-    finally:
-        os.close(descriptor)
-    twin.fault("unplug", True)
-    twin.service(2.0)
-    assert not twin.port.path.is_symlink()
-
-
-def test_a_code_that_is_none_is_named(tmp_path):
-    device = Device("dock_receiver", "infrared", str(tmp_path / "ir"), {"codes": {"left": "green"}})
-    with pytest.raises(InputError, match=r"dock_receiver.*left"):
-        InfraredTwin(device, AROUND)
+def test_codes_of_a_row_are_numbers_or_hexadecimal_and_a_beam_may_be_missing():
+    assert BeamCodes(left="0x15", right=7, power=None).numbers() == {"left": 0x15, "right": 7}

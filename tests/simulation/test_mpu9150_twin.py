@@ -9,14 +9,13 @@ import threading
 import pytest
 
 from lbr.capability.context import Device
-from lbr.errors import DeviceError, InputError
+from lbr.errors import DeviceError
 from lbr.simulation.devices.mpu9150 import Mpu9150Faults
 from lbr.simulation.devices.mpu9150.device import Mpu9150
 from lbr.simulation.devices.mpu9150.twin import Mpu9150Twin
 from lbr.simulation.i2c import Message, transfer
 from lbr.simulation.measured import ImuReading
 from tests.simulation.world_bench import AROUND
-from tests.support.waiting import until
 
 FELT = ImuReading(
     gyro_rps=(0.1, -0.2, 0.3), accel_mps2=(1.0, -2.0, 9.80665), mag_ut=(20.0, -5.0, -40.0), temperature_c=31.0
@@ -359,20 +358,6 @@ def test_a_client_that_talks_nonsense_is_cut_off(wire):
         assert client.recv(10) == b"\0\x68"
 
 
-def test_unplugged_the_bus_is_gone_and_comes_back(wire):
-    with wire.connect() as client:
-        client.send(WHO_AM_I)
-        assert client.recv(10) == b"\0\x68"
-        wire.twin.fault("unplug", True)
-        assert client.recv(10) == b""
-    until(lambda: not wire.path.exists(), what="the bus is gone")
-    wire.twin.fault("replug", None)
-    until(wire.path.exists, what="it is back")
-    with wire.connect() as client:
-        client.send(WHO_AM_I)
-        assert client.recv(10) == b"\0\x68"
-
-
 @pytest.mark.parametrize(
     ("fault", "answer"), [("nak", b"\x79"), ("all_ones", b"\0\xff"), ("brown_out", b"\x79"), ("half", None)]
 )
@@ -399,12 +384,6 @@ def test_a_silent_bus_swallows_what_it_is_asked(wire):
     with wire.connect() as client:
         client.send(WHO_AM_I)
         assert client.recv(10) == b"\0\x68"
-
-
-def test_what_is_wrong_in_its_row_is_named(tmp_path):
-    device = Device("imu", "mpu9150", str(tmp_path / "imu"), {"i2c_address": 0x50})
-    with pytest.raises(InputError, match="device 'imu'"):
-        Mpu9150Twin(device, AROUND)
 
 
 def test_a_file_in_its_place_is_never_replaced(tmp_path):

@@ -40,10 +40,12 @@ def test_of_two_pictures_of_one_moment_the_second_gets_another_name(bench, tmp_p
     assert not bench.refused
 
 
-def test_no_picture_takes_the_place_of_a_file_that_was_named(bench, tmp_path):
+def test_no_picture_takes_the_place_of_a_file_that_was_named_or_makes_a_folder(bench, tmp_path):
     named = str(tmp_path / "a.png")
     assert asked(bench, named, times=2) == [named]
-    assert len(bench.refused) == 1
+    assert asked(bench, str(tmp_path / "new" / "a.png")) == [named]
+    assert ["File exists" in bench.refused[0], "No such file" in bench.refused[1]] == [True, True]
+    assert not (tmp_path / "new").exists()
 
 
 @pytest.mark.parametrize("path", ["~nobody-of-this-name/a.png", "/tmp/a\0.png", "a.png", "/tmp/a.gif"])

@@ -3,17 +3,13 @@
 import math
 
 import pytest
-import serial
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lbr.capability.context import Device
 from lbr.simulation.ahrs import angles_deg, facing, from_angles
 from lbr.simulation.devices.riox import RioxFaults, RioxRow
 from lbr.simulation.devices.riox.device import RioxDevice
-from lbr.simulation.devices.riox.twin import RioxTwin
 from lbr.simulation.measured import ImuReading
-from tests.simulation.world_bench import AROUND
 
 FELT = ImuReading(
     gyro_rps=(0.1, -0.2, 0.3), accel_mps2=(0.0, 0.0, 9.80665), mag_ut=(20.0, 0.0, -40.0), temperature_c=30.0
@@ -125,20 +121,3 @@ def test_frozen_it_repeats_itself_and_jumps_show():
     assert numbers(ask(made, b"?ML\r"))[0] == 0
     jumps = numbers(ask(unit(jump=1.0), b"?ML\r"))[6]
     assert abs(jumps / 32.75 - math.degrees(0.3)) == pytest.approx(math.degrees(4.0), abs=0.1)
-
-
-def test_on_its_port_it_comes_and_goes(tmp_path):
-    device = Device("imu", "riox", str(tmp_path / "imu"), {"echo": False})
-    twin = RioxTwin(device, AROUND)
-    twin.service(0.0)
-    twin.feel(FELT, 0.0)
-    with serial.Serial(str(tmp_path / "imu"), 115200, timeout=1, write_timeout=1) as line:
-        line.write(b"?QO\r")
-        for step in range(100):
-            twin.service(step / 100)
-        assert line.read_until(b"\r") == b"QO=16384:0:0:0\r"
-        twin.fault("unplug", True)
-        twin.service(2.0)
-        with pytest.raises(serial.SerialException):
-            line.read(1)
-    assert not twin.port.path.is_symlink()

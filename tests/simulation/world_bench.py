@@ -42,6 +42,8 @@ class Client:
 
 
 class Bench:
+    """A world on wheels between a wall and a test; a subclass may have another."""
+
     def __init__(self, folder, **settings):
         self.motors_path, self.ranges_path = folder / "motors", folder / "ranges"
         self.trace_path = folder / "trace.txt"
@@ -50,8 +52,10 @@ class Bench:
             Device("motors", "roboteq", str(self.motors_path), {}),
             Device("ranges", "ultrasonic_ring", str(self.ranges_path), {"board": "arduino"}),
         )
-        self.ctx = WorldContext(settings, devices, ring(0.43, 0.30))
-        self.world = World(self.ctx)
+        self._run(World, WorldContext(settings, devices, ring(0.43, 0.30)))
+
+    def _run(self, world, ctx):
+        self.ctx, self.world = ctx, world(ctx)
 
     def ask(self, name, message, **more):
         call = FakeCall(name, message, **more)

@@ -9,7 +9,6 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from math import degrees, remainder
 from typing import Any
 
 import pytest
@@ -18,7 +17,7 @@ from tests.docs.ready import measured
 from tests.support import programs
 from tests.support.robot import Robot, prepare, running
 from tests.support.trace import Trace
-from tests.support.waiting import HANG_S, STOPS_S, until
+from tests.support.waiting import HANG_S, until
 
 pytestmark = [pytest.mark.slow_start]
 PARTS = ("imu", "attitude", "odometry", "battery", "telemetry", "speech", "dock", "cameras", "camera_front", "web_api")
@@ -135,21 +134,6 @@ def test_telemetry_has_every_part_in_its_unit(api):
     assert "voltages" not in found
 
 
-def test_headings_are_known_all_the_way_and_are_where_the_robot_ends_up(api):
-    for wanted in (180.0, 40.0):
-        seen = []
-
-        def stands(wanted: float = wanted, seen: list[float] = seen) -> bool:
-            seen.append(api.telemetry["MPU"]["heading"])
-            return api.stands() and abs(remainder(seen[-1] - wanted, 360.0)) < 5.0
-
-        until(lambda wanted=wanted: api.accepted({"heading": wanted}), what="a turn that is accepted")
-        until(stands, what=f"heading {wanted:g}")
-        assert None not in seen
-        yaw = until(lambda: api.robot.ask("world/pose"))["yaw_rad"]
-        assert abs(remainder(-degrees(yaw) - wanted, 360.0)) < 6.0, "the compass is right"
-
-
 def test_a_turn_is_made_for_a_client_that_polls_as_the_state_machine_does(api):
     def turned() -> bool:
         """On a busy machine the inertial unit may be late, which ends a turn; then it is asked for again."""
@@ -162,17 +146,6 @@ def test_a_turn_is_made_for_a_client_that_polls_as_the_state_machine_does(api):
 
     until(turned, what="a turn that reached its end")
     until(api.stands, what="currents of 0")
-
-
-def test_driving_is_stopped_by_level_0_and_by_silence(api):
-    until(lambda: api.accepted({"level": 0.3, "angle": 90}) and until(api.turns), what="wheels that turn")
-    assert api.ask("POST", "/", STOP)[0] == 200
-    until(lambda: api.trace.now().zero, limit_s=STOPS_S, what="wheels that stand")
-    until(lambda: api.accepted({"level": 0.3, "angle": 90}) and until(api.turns), what="wheels that turn")
-    asked_ns = time.monotonic_ns()
-    zero = api.trace.first_zero(asked_ns, HEARTBEAT_S + 2.0)
-    assert zero is not None, "nobody was heard, and it drives on"
-    assert (zero.at_ns - asked_ns) * 1e-9 > HEARTBEAT_S - 0.5, "it was stopped by something else"
 
 
 def test_a_client_that_is_killed_while_it_drives_leaves_wheels_that_stand(api):
@@ -189,15 +162,6 @@ def test_a_client_that_is_killed_while_it_drives_leaves_wheels_that_stand(api):
     print(f"wheels zero {took_s:.2f} s after the client was killed")
     assert took_s <= HEARTBEAT_S + SLACK_S
     until(lambda: any("was silent for" in one["text"] for one in api.robot.events()), what="an event that says so")
-
-
-def test_another_client_is_told_who_drives_and_may_stop(api):
-    with api.client():
-        until(api.turns, what="wheels that turn")
-        status, said = api.ask("POST", "/", {"level": 0.2, "angle": 270})
-        assert (status, said["refused"]["code"]) == (409, "held")
-        assert api.ask("POST", "/", STOP)[0] == 200
-        until(lambda: api.trace.now().zero, limit_s=STOPS_S, what="wheels that stand")
 
 
 def test_it_speaks_hears_the_dock_and_switches_cameras(api):
