@@ -4,14 +4,18 @@ type Maybe = number | null | undefined;
 
 const known = (value: Maybe): value is number => typeof value === "number" && Number.isFinite(value);
 
+/** Those made so far, by language and digits: to make one takes a hundred times as long as to use it. */
+const formats = new Map<string, Intl.NumberFormat>();
+
 /** A number with so many digits after the point, by the page's language. */
 export function number(value: Maybe, digits = 0, language?: string): string {
   if (!known(value)) return NONE;
   const rounded = Object.is(Number(value.toFixed(digits)), -0) ? 0 : value;
-  return rounded.toLocaleString(language ?? (globalThis.document?.documentElement.lang || "en"), {
-    minimumFractionDigits: digits,
-    maximumFractionDigits: digits,
-  });
+  const by = language ?? (globalThis.document?.documentElement.lang || "en");
+  const key = `${by} ${digits}`;
+  const format = formats.get(key) ?? new Intl.NumberFormat(by, { minimumFractionDigits: digits, maximumFractionDigits: digits });
+  formats.set(key, format);
+  return format.format(rounded);
 }
 
 /** A number at an axis whose lines are so far apart: with as many digits as tell it from its neighbours. */

@@ -62,11 +62,24 @@ export function together(newest: ReadonlyMap<string, Sample<JointsState>>): Join
   return { state: { ...told, joints, moving: all.some(([, one]) => one.message.moving) }, owners, sample };
 }
 
+/** Joints at which nothing changes are shown again this often: less than what counts as old. */
+const STILL_MS = 1000;
+/** What readers see of joints: numbers to a thousandth, no ages. */
+const visible = ({ state }: Joints): string =>
+  JSON.stringify({ ...state, sequence: 0, measured_s: 0 }, (field, value) => (field === "age_s" ? undefined : typeof value === "number" ? Math.round(1000 * value) : value));
+
+/** All joints, drawn again when something about them is seen to change. */
 export function useJoints(streams: readonly string[], everyMs = 100): Joints | null {
   const [joints, show] = useState<Joints | null>(null);
   const key = streams.join(" ");
   useEffect(() => {
-    const calm = calmly<Joints>(everyMs, show);
+    let shown = { what: "", at: -Infinity };
+    const calm = calmly<Joints>(everyMs, (newest) => {
+      const what = visible(newest);
+      if (what === shown.what && performance.now() - shown.at < STILL_MS) return;
+      shown = { what, at: performance.now() };
+      show(newest);
+    });
     const end = listenJoints(streams, calm.hear);
     return () => { end(); calm.end(); };
   }, [key, everyMs]);
