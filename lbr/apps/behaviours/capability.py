@@ -3,7 +3,6 @@
 import random
 from collections import deque
 from math import inf
-from typing import TypeVar
 
 from msgspec.structs import replace
 
@@ -34,10 +33,9 @@ from lbr.messages.behaviour import (
 )
 from lbr.messages.codes import Reason
 from lbr.messages.leases import STOPPED_SINCE, CommandReply, StopCommand
-from lbr.messages.rows import Row, RowsChanged
+from lbr.messages.rows import RowsChanged
 from lbr.messages.speech import SayCommand
 
-R = TypeVar("R", bound=Row)
 STATE_EVERY_S, RESTING_EVERY_S = 0.25, 1.0
 ASIDE_S = 5.0
 NOT_DONE = {"say": ("behaviour_silent", "says nothing"), "watch": ("behaviour_blind", "looks for nothing")}
@@ -48,8 +46,6 @@ RUNNING_HZ, IDLE_HZ = 20.0, 5.0
 HELD_UP_S = 3.0
 """After so long without a step, frozen or with the computer asleep, a table does not go on by itself."""
 MOST_ASIDE = 8
-MOST_FAULTS = 50
-"""Of a table, told to a page; what is beyond them is seen once they are mended."""
 MOST_FILES = 8
 """Requests of pages that wait for a table's check; the robot checks one a round, so that they cannot keep it busy."""
 RESTING = BehaviourState(phase="resting")
@@ -194,14 +190,17 @@ class Behaviours(Capability[BehaviourSettings]):
 
     def _moved_by_others(self, now: float) -> bool:
         """Return whether anyone holds what moves, or has just stopped it; what is not heard of may be held."""
-        states = [one for stream in WATCHED for one in self._senses.newest(stream)]
+        states = [state for stream in WATCHED for state in self._senses.newest(stream)]
         if not states:
             return True
         return any(
-            one.message.holder is not None
-            or now - one.arrived > DRIVE_S
-            or (one.message.stopped_s is not None and now - _on_our_clock(one, one.message.stopped_s) < ALONE_FOR_S)
-            for one in states
+            state.message.holder is not None
+            or now - state.arrived > DRIVE_S
+            or (
+                state.message.stopped_s is not None
+                and now - _on_our_clock(state, state.message.stopped_s) < ALONE_FOR_S
+            )
+            for state in states
         )
 
     def _begin(self, name: str, call: Call | None = None) -> str:
@@ -216,7 +215,7 @@ class Behaviours(Capability[BehaviourSettings]):
         if call is not None:
             self._refuse_late(call)
         reachable = self._library.reachable(table)
-        self._streams = frozenset(key.stream for one in reachable for key in one.keys) & self._senses.there
+        self._streams = frozenset(key.stream for one in reachable for key in one.keys) & self._senses.streams
         self._senses.listen(self._streams | WATCHED)
         now = self._began = self.ctx.clock()
         self._run = Run(table, self._library.good(), now, self.dice.randrange)
@@ -374,7 +373,7 @@ class Behaviours(Capability[BehaviourSettings]):
                 tables[name] = before[name]
                 self.ctx.event("behaviour_refused", f"it goes on as it was: {why}", level="warning", code="bad_value")
         run.replace(tables)
-        self._streams |= frozenset(key.stream for table in tables.values() for key in table.keys) & self._senses.there
+        self._streams |= frozenset(key.stream for table in tables.values() for key in table.keys) & self._senses.streams
 
     def _drawing(self, name: str) -> str:
         name = name or self._told.table

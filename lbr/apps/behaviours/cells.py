@@ -42,18 +42,18 @@ class Texts(NamedTuple):
         """Return whether a text is one of them."""
         return (text in self.of) is not self.others
 
-    def either(self, other: "Texts") -> "Texts":
+    def either(self, second: "Texts") -> "Texts":
         """Return those of both together."""
-        if self.others and other.others:
-            return Texts(self.of & other.of, True)
-        if self.others or other.others:
-            without, those = (self, other) if self.others else (other, self)
+        if self.others and second.others:
+            return Texts(self.of & second.of, True)
+        if self.others or second.others:
+            without, those = (self, second) if self.others else (second, self)
             return Texts(without.of - those.of, True)
-        return Texts(self.of | other.of)
+        return Texts(self.of | second.of)
 
-    def both(self, other: "Texts") -> "Texts":
+    def both(self, second: "Texts") -> "Texts":
         """Return those that each has."""
-        found = Texts(self.of, not self.others).either(Texts(other.of, not other.others))
+        found = Texts(self.of, not self.others).either(Texts(second.of, not second.others))
         return Texts(found.of, not found.others)
 
 
@@ -82,21 +82,21 @@ class Fits(NamedTuple):
                 least = min(least, (low - value) % FULL_TURN, (value - high) % FULL_TURN)
         return inf if isnan(least) else least  # what is not a number fits nothing
 
-    def either(self, other: "Fits") -> "Fits":
+    def either(self, second: "Fits") -> "Fits":
         """Return what fits one of both."""
         return Fits(
-            _joined((*self.numbers, *other.numbers)), self.texts.either(other.texts), self.missing or other.missing
+            _joined((*self.numbers, *second.numbers)), self.texts.either(second.texts), self.missing or second.missing
         )
 
-    def both(self, other: "Fits") -> "Fits":
+    def both(self, second: "Fits") -> "Fits":
         """Return what fits both."""
         pairs = (
             (max(low, other_low), min(high, other_high))
             for low, high in self.numbers
-            for other_low, other_high in other.numbers
+            for other_low, other_high in second.numbers
         )
         numbers = _joined(tuple(pair for pair in pairs if pair[0] <= pair[1]))
-        return Fits(numbers, self.texts.both(other.texts), self.missing and other.missing)
+        return Fits(numbers, self.texts.both(second.texts), self.missing and second.missing)
 
 
 ANYTHING = Fits(((-inf, inf),), EVERY_TEXT)

@@ -6,17 +6,16 @@ import io
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple, get_args
+from typing import NamedTuple, cast, get_args
 
 import msgspec
 
-from lbr.apps.behaviours.table import DEADLINE, NEXT, STATE, TYPE
+from lbr.apps.behaviours.table import DEADLINE, MOST_FAULTS, NEXT, STATE, TYPE
 from lbr.messages.behaviour import LONGEST_CELL, MOST_ROWS, BehaviourRow, RowType
 from lbr.messages.unreadable import UNREADABLE
 
 LARGEST_BYTES = 4_000_000
 OUTPUT = "O:"
-MOST_FAULTS = 50
 _TYPES = get_args(RowType)
 _COMMA = re.compile(r"(?<=\d),(?=\d)")
 _POINT = re.compile(r"(?<=\d)\.(?=\d)")
@@ -78,9 +77,9 @@ def to_csv(rows: Iterable[BehaviourRow], delimiter: str = ",") -> str:
 
 def to_json(rows: Iterable[BehaviourRow]) -> bytes:
     """Return rows as JSON: a state and its rows, in the order of their steps."""
-    by_state: dict[str, list[dict[str, Any]]] = {}
+    by_state: dict[str, list[dict[str, object]]] = {}
     for row in sorted(rows, key=lambda row: row.step):
-        entry: dict[str, Any] = {
+        entry: dict[str, object] = {
             "Row": row.step,
             TYPE: row.type,
             STATE: row.state,
@@ -281,7 +280,7 @@ def _of_json(content: bytes, name: str) -> Read:
     given = list(_json_rows(parsed, faults))
     numbers = [entry.get("Row") for _, entry in given]
     if given and len(set(map(str, numbers))) == len(given) and all(isinstance(entry, int) for entry in numbers):
-        given.sort(key=lambda entry: entry[1]["Row"])
+        given.sort(key=lambda entry: cast("int", entry[1]["Row"]))
     typed = any(entry.get(TYPE) for _, entry in given)
     ends = frozenset[str]() if typed else _leading_nowhere(given)
     rows = []
@@ -297,7 +296,7 @@ def _of_json(content: bytes, name: str) -> Read:
     return Read(tuple(rows), {}, tuple(faults[:MOST_FAULTS]))
 
 
-def _json_rows(parsed: Any, faults: list[FileFault]) -> Iterator[tuple[str, dict[str, Any]]]:
+def _json_rows(parsed: object, faults: list[FileFault]) -> Iterator[tuple[str, dict[str, object]]]:
     """Yield each row with where it stands."""
     if isinstance(parsed, dict):
         groups = [(f"state '{str(state)[:40]}'", state, rows) for state, rows in parsed.items()]
@@ -317,7 +316,7 @@ def _json_rows(parsed: Any, faults: list[FileFault]) -> Iterator[tuple[str, dict
                 faults.append(FileFault(0, f"{place}, row {number}", "it is no object"))
 
 
-def _json_cells(place: str, entry: Mapping[str, Any], faults: list[FileFault]) -> dict[str, str]:
+def _json_cells(place: str, entry: Mapping[str, object], faults: list[FileFault]) -> dict[str, str]:
     known = {"Row", TYPE, STATE, NEXT, DEADLINE, "Inputs", "Outputs"}
     cells: dict[str, str] = {}
     for column in (TYPE, STATE, NEXT, DEADLINE):
@@ -339,7 +338,7 @@ def _json_cells(place: str, entry: Mapping[str, Any], faults: list[FileFault]) -
     return cells
 
 
-def _text(value: Any, place: str, faults: list[FileFault]) -> str:
+def _text(value: object, place: str, faults: list[FileFault]) -> str:
     if value is None:
         return ""
     if isinstance(value, str):
@@ -352,7 +351,7 @@ def _text(value: Any, place: str, faults: list[FileFault]) -> str:
     return ""
 
 
-def _leading_nowhere(given: Iterable[tuple[str, Mapping[str, Any]]]) -> frozenset[str]:
+def _leading_nowhere(given: Iterable[tuple[str, Mapping[str, object]]]) -> frozenset[str]:
     """Return the states that lead to no other: in a file that has no types they are its ends, and the first row
     starts."""
     states: set[str] = set()

@@ -87,7 +87,7 @@ class Key(NamedTuple):
         """Return how old its value may be, unless a cell says so."""
         return NEWEST_S.get(self.stream, NEWEST_OTHERS_S)
 
-    def read(self, message: Any) -> Value | None:
+    def read(self, message: object) -> Value | None:
         """Return its value in a message; None if it is missing."""
         for part in self.path:
             message = message.get(part) if isinstance(message, dict) else getattr(message, part, None)
@@ -200,14 +200,14 @@ def _known() -> dict[tuple[str, ...], Key]:
     }
 
 
-def _fields(message: Any, depth: int) -> Iterator[tuple[tuple[str, ...], tuple[Any, ...]]]:
+def _fields(message: type[Struct], depth: int) -> Iterator[tuple[tuple[str, ...], tuple[Any, ...]]]:
     """Yield each field that a condition can ask for, and what it is."""
     for field in msgspec.structs.fields(message):
         yield from _of_type((field.encode_name,), field.type, depth)
 
 
-def _of_type(path: tuple[str, ...], kind: Any, depth: int) -> Iterator[tuple[tuple[str, ...], tuple[Any, ...]]]:
-    meta: list[Any] = []
+def _of_type(path: tuple[str, ...], kind: object, depth: int) -> Iterator[tuple[tuple[str, ...], tuple[Any, ...]]]:
+    meta: list[object] = []
     while get_origin(kind) is Annotated:
         kind, *more = get_args(kind)
         meta += more

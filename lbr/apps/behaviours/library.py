@@ -1,7 +1,7 @@
 """The robot's tables as its rows have them, compiled; edits and tables that pages write are judged beside them."""
 
 from collections.abc import Iterable, Mapping
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import msgspec
 from msgspec.structs import replace
@@ -9,7 +9,17 @@ from msgspec.structs import replace
 from lbr.apps.behaviours import files, outputs, texts
 from lbr.apps.behaviours.kind import BehaviourSettings
 from lbr.apps.behaviours.senses import Senses
-from lbr.apps.behaviours.table import Compiled, Fault, Parts, Table, cell_faults, compile_table, compiled_alone, linked
+from lbr.apps.behaviours.table import (
+    MOST_FAULTS,
+    Compiled,
+    Fault,
+    Parts,
+    Table,
+    cell_faults,
+    compile_table,
+    compiled_alone,
+    linked,
+)
 from lbr.capability.context import Context
 from lbr.errors import InputError
 from lbr.messages.behaviour import (
@@ -28,8 +38,6 @@ from lbr.messages.sensing import RING, RangeSensor
 from lbr.messages.unreadable import UNREADABLE
 
 R = TypeVar("R", bound=Row)
-MOST_FAULTS = 50
-"""Of a table, told to a page; what is beyond them is seen once they are mended."""
 
 
 class Library:
@@ -132,7 +140,7 @@ class Library:
     def _parts(self) -> Parts:
         """Return what this robot has."""
         asks = frozenset(way for way in outputs.NEEDS if self._ctx.targets(way))
-        return Parts(self._senses.there, asks, frozenset(row.name for row in self._sensors) or frozenset(RING))
+        return Parts(self._senses.streams, asks, frozenset(row.name for row in self._sensors) or frozenset(RING))
 
     def _require(self, name: str) -> None:
         """Raise InputError if there is no such table."""
@@ -154,8 +162,8 @@ def _report(faults: Iterable[Fault], lines: Mapping[int, int] | None = None) -> 
 def _edited(row: type[R], before: Iterable[R], message: RowsChanged) -> list[R]:
     """Return the rows of a table as an edit makes them."""
     try:
-        removed = set(msgspec.json.decode(message.gone.get(row.TABLE, "[]"), type=list[tuple[Any, ...]]))
-        told = msgspec.json.decode(message.rows.get(row.TABLE, "[]"), type=list[Any])
+        removed = set(msgspec.json.decode(message.gone.get(row.TABLE, "[]"), type=list[tuple[object, ...]]))
+        told = msgspec.json.decode(message.rows.get(row.TABLE, "[]"), type=list[object])
         added = [msgspec.convert(each, row) for each in told]
     except (TypeError, *UNREADABLE) as err:
         raise InputError(f"rows of {row.TABLE} cannot be read: {err}", "malformed") from err

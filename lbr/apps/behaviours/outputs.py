@@ -180,11 +180,6 @@ def variables_of(cells: Mapping[str, str]) -> set[str]:
     return {found[1] for part in cells.get("set", "").split(";") if (found := _ASSIGNS.match(part))}
 
 
-def read_by(cells: Mapping[str, str]) -> set[str]:
-    """Return the variables that cells read."""
-    return {text.strip()[1:] for name, text in cells.items() if name in NUMBERS and text.strip().startswith("$")}
-
-
 class _Unset(dict[str, Value]):
     """Variables of which nothing is known yet: a check takes them for what fits."""
 

@@ -15,7 +15,7 @@ class Senses:
         self._came: dict[str, list[Received]] = {}
 
     @property
-    def there(self) -> frozenset[str]:
+    def streams(self) -> frozenset[str]:
         """Return the streams that the robot has."""
         return frozenset(stream for stream in STREAMS if self._ctx.sources(stream))
 

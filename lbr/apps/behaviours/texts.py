@@ -14,10 +14,11 @@ def faults(name: str, found: Sequence[Fault]) -> str:
     return "\n".join([*(f"behaviour '{name}', {fault(one)}" for one in found[:MOST_FAULTS]), *more])
 
 
-def fault(error: Fault) -> str:
-    """Return where a fault is, and what is to be done."""
-    at = [f"row {error.step}"] if error.step else []
-    where = ", ".join([*at, *([error.column] if error.column else [])])
+def fault(error: Fault, lines: Mapping[int, int] | None = None) -> str:
+    """Return where a fault is, by the line of its row in a file if that is known, and what is to be done."""
+    line = (lines or {}).get(error.step, 0)
+    at = f"line {line}" if line else f"row {error.step}" if error.step else ""
+    where = ", ".join(filter(None, (at, error.column)))
     return f"{where}: {error.text}" if where else error.text
 
 

@@ -55,6 +55,7 @@ from lbr.errors import BusError, DeviceError, InputError, LbrError, MalformedErr
 from lbr.leases.client import LeaseTarget
 from lbr.leases.holder import Holder
 from lbr.messages.codes import Reason
+from lbr.messages.description import RobotDescription
 from lbr.messages.joints import Joint
 from lbr.messages.kinematics import Wheel
 from lbr.messages.sensing import RangeSensor
@@ -140,7 +141,7 @@ class Foxglove(Capability[FoxgloveSettings]):
         self._serving: Serving | None = None
         self._known: object = None
         self._goals: list[Goal] = []
-        self._bus: Any = None
+        self._bus: RobotBus | None = None
         self._report_at = 0.0
 
     @property
@@ -160,10 +161,10 @@ class Foxglove(Capability[FoxgloveSettings]):
         self._place = AdvertisedAddress(cast("Any", settings), sockets[0].getsockname()[1])
         self._bridge.open()
         try:
-            self._bus = self._opened()
+            self._bus = bus = self._opened()
             robot = Robot(cast("Any", self.ctx), self._bridge, self._sessions, self._counts.tell)
-            self.api = Api(robot, self._bus, "")
-            self.pictures = Pictures(self._bus, lambda name: f"{self.ctx.robot}/{name}")
+            self.api = Api(robot, bus, "")
+            self.pictures = Pictures(bus, lambda name: f"{self.ctx.robot}/{name}")
             self._serving = Serving(self._application(), sockets, tls=self._place.tls)
         except (InputError, BusError) as err:
             for one in sockets:
@@ -215,14 +216,14 @@ class Foxglove(Capability[FoxgloveSettings]):
         """Publish an event; called by the server's thread."""
         self._counts.tell(kind, text)
 
-    async def run_service(self, service: Service, line: str, viewer: Viewer) -> Any:
+    async def run_service(self, service: Service, line: str, viewer: Viewer) -> dict[str, object]:
         """Run the line of a service in the name of a client; raise Refused."""
         came_s = self.api.now()
         return await self._bridge.call(self._run(service, line, viewer, came_s), timeout_s=LINE_S + 1.0)
 
     # In the loop.
 
-    async def _run(self, service: Service, line: str, viewer: Viewer, came_s: float) -> Any:
+    async def _run(self, service: Service, line: str, viewer: Viewer, came_s: float) -> dict[str, object]:
         client = viewer.client
         if service.word == ESTOP:
             self.api.stopped(came_s)
@@ -249,6 +250,7 @@ class Foxglove(Capability[FoxgloveSettings]):
         if not hold.goal:
             return f"{text}; it is over in {hold.ttl_s:g} s: to drive, publish it (docs/foxglove.md)"
         at = {"motion": hold.key, **({"halt": hold.stop_key} if hold.stop_key else {})}
+        assert self._bus is not None
         transport = self._bus.transport(source_of(viewer.client), at, self.ctx.wake)
         target = LeaseTarget("motion", halt="halt" if "halt" in at else "")
         goal = Goal(viewer, Holder(transport), self.ctx.clock() + hold.max_run_s)
@@ -271,7 +273,7 @@ class Foxglove(Capability[FoxgloveSettings]):
                 goal.holder.release(why)
         self._goals = [goal for goal in self._goals if goal.holder.asks]
 
-    def _number(self, description: Any) -> None:
+    def _number(self, description: RobotDescription) -> None:
         """Number channels and services anew. Each keeps its number, so that clients keep their subscriptions."""
         file = body_file(self.ctx.robot, Path(self.ctx.home))
         sensors = self.ctx.rows(RangeSensor)
@@ -285,7 +287,7 @@ class Foxglove(Capability[FoxgloveSettings]):
             for number, source in ((numbers[topic], source) for topic, source in offered.items())
         }
 
-    def _offered(self, description: Any) -> Mapping[int, Service]:
+    def _offered(self, description: RobotDescription) -> Mapping[int, Service]:
         before = {service.word: number for number, service in self.services.items()}
         offered = {service.word: service for service in words.services(description.words)}
         numbers = numbered(offered, before)

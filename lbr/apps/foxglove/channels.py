@@ -4,7 +4,7 @@ Topics are those of recordings, so that a layout shows both; what is made of str
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from typing import TypeVar
 
 import msgspec
 from msgspec import Struct
@@ -19,9 +19,10 @@ from lbr.messages.schema import flat_schema
 from lbr.messages.sensing import Ranges, RangeSensor, Scan
 from lbr.messages.system import Event, Status
 
+M = TypeVar("M", bound=Struct)
 EVENT, STATUS = "@event", "@status"
 MODEL, TRANSFORMS, LOG = "@model", "@tf", "@events"
-Make = Callable[[Mapping[str, bytes], int], Any]
+Make = Callable[[Mapping[str, bytes], int], object]
 """Makes the message of a channel of the newest samples of its streams and the time; MsgspecError for invalid ones."""
 
 
@@ -90,7 +91,7 @@ def _body(typed: Mapping[str, Sequence[str]], model: RobotModel) -> Iterable[Sou
         next(iter(typed.get(message.__name__, ())), "") for message in (JointsState, OdometryState, AttitudeState)
     )
 
-    def make(samples: Mapping[str, bytes], at_ns: int) -> dict[str, Any]:
+    def make(samples: Mapping[str, bytes], at_ns: int) -> dict[str, object]:
         state = _read(JointsState, samples.get(joints))
         angles = {name: joint.position_rad or 0.0 for name, joint in state.joints.items()} if state is not None else {}
         place = _read(OdometryState, samples.get(odometry)), _read(AttitudeState, samples.get(attitude))
@@ -100,11 +101,11 @@ def _body(typed: Mapping[str, Sequence[str]], model: RobotModel) -> Iterable[Sou
     yield _own(TRANSFORMS, "FrameTransforms", streams, make, still=not streams)
 
 
-def _read(message: object, data: bytes | None) -> Any:
+def _read(message: type[M], data: bytes | None) -> M | None:
     return msgspec.json.decode(data, type=message) if data is not None else None
 
 
-def _made(message: Any, key: str, make: Callable[[Any, int], Any]) -> Make:
+def _made(message: type[M], key: str, make: Callable[[M, int], object]) -> Make:
     return lambda samples, at_ns: make(msgspec.json.decode(samples[key], type=message), at_ns)
 
 

@@ -1,7 +1,6 @@
 """A layout of Foxglove for a robot: its body, cameras, numbers, events, a stick and a stop, of what there is. Pure."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
 
 from lbr.apps.foxglove.channels import LOG, MODEL, Source
 from lbr.apps.foxglove.scene import BASE, WORLD
@@ -17,11 +16,11 @@ _NUMBERS = {
 _MOST_CAMERAS = 3
 
 
-def layout(sources: Iterable[Source], services: Iterable[Service], *, drives: bool) -> dict[str, Any]:
+def layout(sources: Iterable[Source], services: Iterable[Service], *, drives: bool) -> dict[str, object]:
     """Return a layout, as Foxglove imports it."""
     by_topic = {source.channel.topic: source for source in sources}
     shapes = [topic for topic, source in by_topic.items() if source.channel.schema_name in _IN_SPACE]
-    panels: dict[str, dict[str, Any]] = {}
+    panels: dict[str, dict[str, object]] = {}
     cameras = [topic for topic, source in sorted(by_topic.items()) if source.picture][:_MOST_CAMERAS]
     for number, topic in enumerate(cameras, start=1):
         panels[f"Image!camera{number}"] = {"imageMode": {"imageTopic": topic}, "foxglovePanelTitle": topic}
@@ -58,7 +57,7 @@ def layout(sources: Iterable[Source], services: Iterable[Service], *, drives: bo
 _IN_SPACE = {"foxglove.SceneUpdate", "foxglove.PoseInFrame", "foxglove.LaserScan"}
 
 
-def _paths(known: Mapping[str, Source]) -> list[dict[str, Any]]:
+def _paths(known: Mapping[str, Source]) -> list[dict[str, object]]:
     return [
         {"value": f"{topic}.{field}", "enabled": True, "timestampMethod": "receiveTime"}
         for topic, one in sorted(known.items())
@@ -66,7 +65,7 @@ def _paths(known: Mapping[str, Source]) -> list[dict[str, Any]]:
     ]
 
 
-def _stick() -> dict[str, Any]:
+def _stick() -> dict[str, object]:
     """Return a Teleop panel: it publishes ten times a second, since motion that is not renewed for 0.25 s is over."""
     return {
         "topic": "/cmd_vel",
@@ -79,7 +78,7 @@ def _stick() -> dict[str, Any]:
     }
 
 
-def _tiled(panels: Sequence[str], direction: str) -> Any:
+def _tiled(panels: Sequence[str], direction: str) -> object:
     if len(panels) == 1:
         return panels[0]
     half = (len(panels) + 1) // 2

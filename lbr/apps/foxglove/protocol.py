@@ -4,8 +4,8 @@ https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md
 """
 
 import struct
-from collections.abc import Iterable
-from typing import Annotated, Any
+from collections.abc import Iterable, Mapping
+from typing import Annotated
 
 import msgspec
 from msgspec import Meta, Struct
@@ -159,7 +159,7 @@ def unadvertise(ids: Iterable[int]) -> str:
     return _encoded("unadvertise", {"channelIds": list(ids)})
 
 
-def advertise_services(services: Iterable[dict[str, Any]]) -> str:
+def advertise_services(services: Iterable[dict[str, object]]) -> str:
     """Advertise services."""
     return _encoded("advertiseServices", {"services": list(services)})
 
@@ -196,5 +196,5 @@ def answered(call: ServiceCall, payload: bytes) -> bytes:
     return head + b"json" + payload
 
 
-def _encoded(op: str, fields: dict[str, Any]) -> str:
+def _encoded(op: str, fields: Mapping[str, object]) -> str:
     return _encode({"op": op, **fields}).decode()

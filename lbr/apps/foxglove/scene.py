@@ -1,7 +1,6 @@
 """A body in space, as Foxglove draws it: its shapes on frames of their own, and where those frames are. Pure."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
 
 from lbr.apps.bodies import turning
 from lbr.apps.bodies.parts import Link, RobotModel, Shape
@@ -20,7 +19,7 @@ def stamp(at_ns: int) -> dict[str, int]:
     return {"sec": at_ns // 1_000_000_000, "nsec": at_ns % 1_000_000_000}
 
 
-def scene(model: RobotModel, at_ns: int) -> dict[str, Any]:
+def scene(model: RobotModel, at_ns: int) -> dict[str, object]:
     """Return a SceneUpdate that draws a body, each link on the frame of its name; it stays until another comes."""
     drawn = [_entity(link, at_ns) for link in model.links if link.shapes]
     return {"deletions": [{"timestamp": stamp(at_ns), "type": 1, "id": ""}], "entities": drawn}
@@ -32,7 +31,7 @@ def transforms(
     odometry: OdometryState | None,
     attitude: AttitudeState | None,
     at_ns: int,
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """Return FrameTransforms: the base in the world, by odometry or else by attitude, and each link in its parent."""
     made = [_transform(WORLD, BASE, base(odometry, attitude), at_ns)]
     known = {link.name for link in model.links}
@@ -69,12 +68,12 @@ def placed(link: Link, value: float, model: RobotModel) -> Place:
     return at.then(Place(turn=turning.about(link.axis, value)))
 
 
-def pose(at: Place) -> dict[str, Any]:
+def pose(at: Place) -> dict[str, object]:
     """Return a Pose."""
     return {"position": _xyz(at.xyz), "orientation": _turn(at.turn)}
 
 
-def entity(name: str, on: str, at_ns: int, **shapes: Any) -> dict[str, Any]:
+def entity(name: str, on: str, at_ns: int, **shapes: object) -> dict[str, object]:
     """Return a SceneEntity on a frame; it moves with it."""
     return {
         "timestamp": stamp(at_ns),
@@ -92,15 +91,15 @@ def colour(rgba: Sequence[float]) -> dict[str, float]:
     return dict(zip("rgba", rgba, strict=True))
 
 
-def _entity(link: Link, at_ns: int) -> dict[str, Any]:
-    shapes: dict[str, list[Any]] = {}
+def _entity(link: Link, at_ns: int) -> dict[str, object]:
+    shapes: dict[str, list[object]] = {}
     for shape in link.shapes:
         for kind, primitive in _primitives(shape):
             shapes.setdefault(kind, []).append(primitive)
     return entity(link.name, frame(link.name), at_ns, **shapes)
 
 
-def _primitives(shape: Shape) -> Iterator[tuple[str, dict[str, Any]]]:
+def _primitives(shape: Shape) -> Iterator[tuple[str, dict[str, object]]]:
     at = Place(shape.xyz, turning.by_euler(shape.rpy, "XYZ"))
     match shape.kind:
         case "box":
@@ -117,11 +116,11 @@ def _primitives(shape: Shape) -> Iterator[tuple[str, dict[str, Any]]]:
                 yield "spheres", _solid(at.then(Place((0.0, 0.0, end))), (2 * radius,) * 3, shape)
 
 
-def _solid(at: Place, size: Sequence[float], shape: Shape) -> dict[str, Any]:
+def _solid(at: Place, size: Sequence[float], shape: Shape) -> dict[str, object]:
     return {"pose": pose(at), "size": _xyz(size), "color": colour(shape.rgba)}
 
 
-def _transform(parent: str, child: str, at: Place, at_ns: int) -> dict[str, Any]:
+def _transform(parent: str, child: str, at: Place, at_ns: int) -> dict[str, object]:
     return {
         "timestamp": stamp(at_ns),
         "parent_frame_id": parent,

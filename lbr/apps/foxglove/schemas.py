@@ -3,7 +3,6 @@
 import base64
 from collections.abc import Sequence
 from math import cos, isfinite, sin
-from typing import Any
 
 from lbr.apps.foxglove.scene import BASE, WORLD, base, colour, entity, pose, stamp
 from lbr.bus import pictures
@@ -19,7 +18,7 @@ _POSE = {"type": "object", "properties": {"position": _XYZ, "orientation": _TURN
 _MANY = {"type": "array", "items": {"type": "object"}}
 _NUMBERS = {"type": "array", "items": _NUMBER}
 _DURATION = _TIME
-_FIELDS: dict[str, dict[str, Any]] = {
+_FIELDS: dict[str, dict[str, object]] = {
     "CompressedImage": {
         "timestamp": _TIME, "frame_id": _TEXT, "data": {"type": "string", "contentEncoding": "base64"}, "format": _TEXT,
     },
@@ -63,7 +62,7 @@ _FIELDS: dict[str, dict[str, Any]] = {
         },
     },
 }  # fmt: skip
-SCHEMAS: dict[str, dict[str, Any]] = {
+SCHEMAS: dict[str, dict[str, object]] = {
     f"foxglove.{name}": {"title": f"foxglove.{name}", "type": "object", "properties": fields}
     for name, fields in _FIELDS.items()
 }
@@ -73,7 +72,7 @@ _NEAR, _FREE = (0.95, 0.35, 0.1, 0.9), (0.2, 0.6, 0.95, 0.5)
 _NEAR_M = 0.5
 
 
-def image(data: bytes, camera: str, at_ns: int) -> dict[str, Any]:
+def image(data: bytes, camera: str, at_ns: int) -> dict[str, object]:
     """Return a CompressedImage."""
     return {
         "timestamp": stamp(at_ns),
@@ -83,7 +82,7 @@ def image(data: bytes, camera: str, at_ns: int) -> dict[str, Any]:
     }
 
 
-def log(event: Event, at_ns: int) -> dict[str, Any]:
+def log(event: Event, at_ns: int) -> dict[str, object]:
     """Return a Log."""
     code = f" [{event.code}]" if event.code else ""
     return {
@@ -96,12 +95,12 @@ def log(event: Event, at_ns: int) -> dict[str, Any]:
     }
 
 
-def position(odometry: OdometryState, at_ns: int) -> dict[str, Any]:
+def position(odometry: OdometryState, at_ns: int) -> dict[str, object]:
     """Return a PoseInFrame."""
     return {"timestamp": stamp(at_ns), "frame_id": WORLD, "pose": pose(base(odometry, None))}
 
 
-def laser(scan: Scan, sensor: RangeSensor | None, at_ns: int) -> dict[str, Any]:
+def laser(scan: Scan, sensor: RangeSensor | None, at_ns: int) -> dict[str, object]:
     """Return a LaserScan; what was not measured, or is too near, is 0, which draws nothing at its place."""
     metres = scan.metres()
     return {
@@ -115,7 +114,7 @@ def laser(scan: Scan, sensor: RangeSensor | None, at_ns: int) -> dict[str, Any]:
     }
 
 
-def rays(ranges: Ranges, sensors: Sequence[RangeSensor], at_ns: int) -> dict[str, Any]:
+def rays(ranges: Ranges, sensors: Sequence[RangeSensor], at_ns: int) -> dict[str, object]:
     """Return a SceneUpdate with a line for each sensor that has read something, red where that is near."""
     drawn = []
     for sensor in sensors:
@@ -148,7 +147,7 @@ def rays(ranges: Ranges, sensors: Sequence[RangeSensor], at_ns: int) -> dict[str
     return {"deletions": gone, "entities": drawn}
 
 
-def _looking(sensor: RangeSensor | None) -> dict[str, Any]:
+def _looking(sensor: RangeSensor | None) -> dict[str, object]:
     if sensor is None:
         return {"position": {"x": 0.0, "y": 0.0, "z": 0.0}, "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}}
     return {

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
 
 import msgspec
 from msgspec import Struct
@@ -46,7 +45,7 @@ class Service(Struct, frozen=True, kw_only=True):
 
 def services(words: Iterable[Mapping[str, object]]) -> tuple[Service, ...]:
     """Return a service for each word of the robot; `stop` and `estop` always."""
-    found: dict[str, list[Mapping[str, Any]]] = {}
+    found: dict[str, list[Mapping[str, object]]] = {}
     for entry in words:
         found.setdefault(_name(entry), []).append(entry)
     made = {word: _service(word, entries) for word, entries in found.items() if word}
@@ -55,7 +54,7 @@ def services(words: Iterable[Mapping[str, object]]) -> tuple[Service, ...]:
     return tuple(made[word] for word in sorted(made))
 
 
-def advertisement(number: int, service: Service) -> dict[str, Any]:
+def advertisement(number: int, service: Service) -> dict[str, object]:
     """Return the advertisement of a service in the protocol."""
     fields = {name: _field(service, name) for _, fields in service.ways for name in fields}
     always = set.intersection(*(set(fields) for _, fields in service.ways))
@@ -78,7 +77,7 @@ def advertisement(number: int, service: Service) -> dict[str, Any]:
     }
 
 
-def read(payload: bytes) -> dict[str, Any]:
+def read(payload: bytes) -> dict[str, object]:
     """Return the fields of a request; InputError names the problem."""
     try:
         fields = decode_request(payload or b"{}")
@@ -95,10 +94,11 @@ def _name(entry: Mapping[str, object]) -> str:
     return "/".join(fast.replace("/", " ").split())
 
 
-def _service(word: str, entries: list[Mapping[str, Any]]) -> Service:
+def _service(word: str, entries: list[Mapping[str, object]]) -> Service:
     ways, choices = [], {}
     for entry in entries:
-        fields = [field for field in entry.get("fields") or () if isinstance(field, dict)]
+        listed = entry.get("fields")
+        fields = [field for field in listed if isinstance(field, dict)] if isinstance(listed, list | tuple) else []
         ways.append((str(entry.get("pattern", word)), tuple(str(field.get("name", "")) for field in fields)))
         choices.update({str(f.get("name", "")): tuple(map(str, f.get("choices") or ())) for f in fields})
     first = entries[0]
@@ -118,7 +118,7 @@ def _filled(pattern: str, values: Sequence[str]) -> str:
     return _PLACE.sub(lambda _place: next(left, ""), pattern)
 
 
-def _field(service: Service, name: str) -> dict[str, Any]:
+def _field(service: Service, name: str) -> dict[str, object]:
     choices = service.choices.get(name, ())
     return {"type": ["string", "number"], **({"examples": list(choices[:20])} if choices else {})}
 
@@ -132,5 +132,5 @@ def _value(name: str, value: object) -> str:
     return text
 
 
-def _written(name: str, schema: str) -> dict[str, Any]:
+def _written(name: str, schema: str) -> dict[str, object]:
     return {"encoding": "json", "schemaName": name, "schemaEncoding": "jsonschema", "schema": schema}

@@ -11,7 +11,7 @@ import time
 from collections import deque
 from collections.abc import Mapping
 from contextlib import suppress
-from typing import Any, Protocol
+from typing import Protocol
 
 import msgspec
 from starlette.types import Message, Receive
@@ -62,7 +62,7 @@ class Served(Protocol):
     def feeds(self) -> Feeds:
         """The streams, received once for all clients."""
 
-    async def run_service(self, service: Service, line: str, viewer: "Viewer") -> Any:
+    async def run_service(self, service: Service, line: str, viewer: "Viewer") -> object:
         """Run the line of a service in the name of a client; raise Refused."""
 
     def shows(self, source: Source, client: Client, *, pictures: bool) -> bool:
@@ -311,7 +311,7 @@ class Viewer:
             self._hold(*wanted)
         self._served.api.wake()
 
-    def _hold(self, to: str, message: dict[str, Any]) -> None:
+    def _hold(self, to: str, message: dict[str, object]) -> None:
         now = self._served.api.now()
         if self._hand.said.wanted is None or now - self._pushed_s > RESTED_S or to != self._pushed_to:
             self._push += 1
@@ -368,7 +368,7 @@ class Viewer:
             )
 
 
-def motion(channel: protocol.Published, payload: bytes, api: Api) -> tuple[str, dict[str, Any]] | None:
+def motion(channel: protocol.Published, payload: bytes, api: Api) -> tuple[str, dict[str, object]] | None:
     """Return the command that a published message holds and its fields; None for standing still.
 
     A Twist, as a Teleop panel publishes it, goes to the base; what is published on a command's own topic goes there.

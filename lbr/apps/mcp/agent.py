@@ -24,6 +24,7 @@ from lbr.client.robot import GONE
 from lbr.messages.plain import one_line
 from lbr.messages.system import Event
 
+Arguments = Mapping[str, Any]
 SAY_S = 5.0
 MOTIONS, MOTIONS_S = 20, 10.0
 """So many motions may be begun in so many seconds; stops are not counted."""
@@ -68,7 +69,7 @@ class Outcome(Struct, frozen=True, kw_only=True):
     code: str
     text: str
     do: str = ""
-    data: Any = None
+    data: object = None
     picture: bytes = b""
 
     @property
@@ -76,9 +77,9 @@ class Outcome(Struct, frozen=True, kw_only=True):
         """Return whether it was done."""
         return self.code in {"done", "time_over"}
 
-    def as_json(self) -> dict[str, Any]:
+    def as_json(self) -> dict[str, object]:
         """Return it as JSON."""
-        answer: dict[str, Any] = {"code": self.code, "text": one_line(self.text)[:LONGEST_TEXT]}
+        answer: dict[str, object] = {"code": self.code, "text": one_line(self.text)[:LONGEST_TEXT]}
         return answer | ({"do": self.do} if self.do else {}) | ({"data": self.data} if self.data is not None else {})
 
 
@@ -108,7 +109,7 @@ class Plan(NamedTuple):
     """A planned motion, and until when it may be done."""
 
     tool: Tool
-    arguments: Mapping[str, Any]
+    arguments: Arguments
     until: float
 
 
@@ -191,7 +192,7 @@ class Agent:
         known = await self.known()
         if not tool.fits(known):
             raise InputError(f"this robot has nothing that can {tool.name}", "not_possible")
-        given: Mapping[str, Any] = bounds.checked(tool.schema(known), arguments)
+        given: Arguments = bounds.checked(tool.schema(known), arguments)
         if tool.name == "do":
             plan = self._planned(given["plan"])
             return await self._moved(plan.tool, plan.arguments, known, way, given["plan"])
@@ -201,7 +202,7 @@ class Agent:
         outcome: Outcome = await doing(given, known)
         return outcome
 
-    async def _moved(self, tool: Tool, given: Mapping[str, Any], known: Known, way: Way, plan_id: str = "") -> Outcome:
+    async def _moved(self, tool: Tool, given: Arguments, known: Known, way: Way, plan_id: str = "") -> Outcome:
         line = allowed_line(given["line"], known) if tool.name == "say" else tool.line(given)
         self._refuse_more()
         robot = await self._connected()
@@ -245,7 +246,7 @@ class Agent:
             raise InputError("there is no such plan, or it was done, or is older than a minute", "late")
         return plan
 
-    async def _preview(self, given: Mapping[str, Any], known: Known) -> Outcome:
+    async def _preview(self, given: Arguments, known: Known) -> Outcome:
         tool = named(given["tool"])
         if not tool.fits(known):
             raise InputError(f"this robot has nothing that can {tool.name}", "not_possible")
@@ -280,11 +281,11 @@ class Agent:
         said = await (await self._connected()).say(line)
         return Outcome(code="done", text=said.text, data=said.data)
 
-    async def _estop(self, given: Mapping[str, Any], _known: Known) -> Outcome:
+    async def _estop(self, given: Arguments, _known: Known) -> Outcome:
         reason = one_line(given.get("reason", "")).replace("/", " ").strip()
         return await self._say(f"/estop/{self.name}: {reason}" if reason else f"/estop/{self.name}")
 
-    async def _why(self, given: Mapping[str, Any], _known: Known) -> Outcome:
+    async def _why(self, given: Arguments, _known: Known) -> Outcome:
         part = one_line(given.get("part", "")).strip()
         answer = await (await self._connected()).say(f"why {part}".strip())
         chain = answer.data or {}
@@ -306,7 +307,7 @@ class Agent:
         ]
         return Outcome(code="done", text=f"{len(words)} words may be said", data=words)
 
-    async def _look(self, given: Mapping[str, Any], _known: Known) -> Outcome:
+    async def _look(self, given: Arguments, _known: Known) -> Outcome:
         picture = await (await self._connected()).picture(given["camera"])
         small = await asyncio.to_thread(scaled, bytes(picture))
         return Outcome(code="done", text=f"what {given['camera']} sees now", picture=small)
@@ -344,14 +345,14 @@ class Agent:
                 self._robot, self._known_until = await robot.__aenter__(), 0.0
             return self._robot
 
-    async def _described(self, robot: AsyncRobot, target: str) -> Mapping[str, Any]:
+    async def _described(self, robot: AsyncRobot, target: str) -> Arguments:
         capability, _, command = target.partition(".")
         try:
             schema = await robot.latest(f"@schema/{capability}/{command}")
         except BusError:
             return {}
         named_schema = schema.get("$defs", {}).get(schema.get("$ref", "").rpartition("/")[2], schema)
-        properties: Mapping[str, Any] = named_schema.get("properties", {})
+        properties: Arguments = named_schema.get("properties", {})
         return properties
 
     async def _note(self, tool: str, arguments: Mapping[str, object], outcome: Outcome) -> None:
@@ -377,7 +378,7 @@ class Agent:
             return
 
 
-def _asked_before(tool: Tool, given: Mapping[str, Any], known: Known, line: str) -> set[str]:
+def _asked_before(tool: Tool, given: Arguments, known: Known, line: str) -> set[str]:
     """Return the questions of a motion that a row may require."""
     if tool.name == "say":
         word = line.strip("/").split("/")[0]
@@ -388,7 +389,7 @@ def _asked_before(tool: Tool, given: Mapping[str, Any], known: Known, line: str)
     return asked | ({"fast"} if given.get("power", 0.0) > known.rules.fast_power else set())
 
 
-def _side(tool: Tool, arguments: Mapping[str, Any]) -> str:
+def _side(tool: Tool, arguments: Arguments) -> str:
     """Return which range a motion goes towards; empty if it turns."""
     if tool.name == "go":
         return "forward_m" if arguments["distance_cm"] > 0 else "back_m"

@@ -6,7 +6,7 @@ import secrets
 from collections.abc import Awaitable, Callable, Coroutine
 from contextlib import suppress
 from importlib.metadata import version
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import mcp_types as types
 from mcp.server.context import ServerRequestContext
@@ -19,7 +19,7 @@ from lbr.apps.mcp.motion import Motion, Pulse
 from lbr.apps.mcp.tools import TOOLS, Known, Tool
 from lbr.client import InputError, LbrError, Said
 
-Context: TypeAlias = ServerRequestContext[Any, Any]
+Context: TypeAlias = ServerRequestContext[object, object]
 Answer: TypeAlias = types.CallToolResult | types.InputRequiredResult
 INSTRUCTIONS = (
     "A robot that moves in a room with people. Call `status` before you move it, move it by small steps, and look again "
@@ -42,7 +42,7 @@ MOST_QUESTIONS = 8
 class Round:
     """A call over HTTP in the newest protocol: its client asks again and again, and shows by it that it lives."""
 
-    def __init__(self, work: Coroutine[Any, Any, Outcome]) -> None:
+    def __init__(self, work: Coroutine[object, object, Outcome]) -> None:
         self.motion: Motion | None = None
         self.number = 0
         self.task = asyncio.ensure_future(work)
@@ -73,8 +73,8 @@ class McpServer:
         self._agent_of = agent_of
         self._pulse_of = pulse_of
         self._rounds: dict[str, Round] = {}
-        self._questions: dict[str, tuple[str, Any]] = {}
-        self.sdk: Server[Any] = Server(
+        self._questions: dict[str, tuple[str, object]] = {}
+        self.sdk: Server[object] = Server(
             "lbr",
             version=version("lbr"),
             title="lbr robot",

@@ -8,7 +8,7 @@ broker is lost: the person who asked for it could not stop it any more.
 from contextlib import suppress
 from importlib.metadata import version
 from math import inf
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import msgspec
 
@@ -76,8 +76,8 @@ class Mqtt(Capability[MqttSettings]):
         self._holder = Holder(ctx)
         self._moving: tuple[Ask, str] | None = None
         self._waiting: list[Waiting] = []
-        self._answer: dict[str, Any] = {}
-        self._desired: Any = None
+        self._answer: dict[str, str | int] = {}
+        self._desired: object = None
         self._connection = MqttState(
             connected=False, broker=f"{settings.host}:{settings.port}" if settings.host else ""
         )
@@ -396,8 +396,8 @@ class Mqtt(Capability[MqttSettings]):
             reported=self._reported,
             asked=self._asked,
             refused=self._refused,
-            answer=self._answer.get("reason", ""),
-            code=self._answer.get("code", ""),
+            answer=str(self._answer.get("reason", "")),
+            code=str(self._answer.get("code", "")),
             doing=moving[0].word if moving is not None else "",
             version=self._shadow.version if self._shadow is not None else None,
         )
@@ -426,7 +426,7 @@ def _named(name: str, payload: bytes, word: words.Word | None) -> Ask:
         raise InputError(f"a {'text' if wanted.text else 'number'} comes with '{name}' ({err})", "malformed") from err
 
 
-def _json(payload: bytes) -> Any:
+def _json(payload: bytes) -> object:
     try:
         return msgspec.json.decode(keyed_once(payload))
     except UNREADABLE as err:

@@ -4,7 +4,6 @@ https://www.home-assistant.io/integrations/mqtt/#device-discovery-payload
 """
 
 from collections.abc import Collection, Mapping
-from typing import Any
 
 from lbr.apps.mqtt.words import LONGEST_TEXT, Word, bounds
 
@@ -15,10 +14,10 @@ ICONS = {"stop": "mdi:stop-circle", "run": "mdi:robot", "say": "mdi:bullhorn", "
 
 def document(
     robot: str, name: str, topic: str, parts: Collection[str], words: Mapping[str, Word], *, picture: bool, version: str
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """Return the device with its sensors, for the parts that are reported, and its buttons, for the words of its
     row."""
-    sensors = {key: _known(topic, **sensor) for key, sensor in _sensors(parts).items()}
+    sensors: dict[str, dict[str, object]] = {key: _known(topic, **sensor) for key, sensor in _sensors(parts).items()}
     components = {
         **sensors,
         **{f"ask_{name_of_word}": _asking(name_of_word, word, topic) for name_of_word, word in words.items()},
@@ -41,8 +40,8 @@ def document(
     }
 
 
-def _sensors(parts: Collection[str]) -> dict[str, dict[str, Any]]:
-    by_part: dict[str, dict[str, dict[str, Any]]] = {
+def _sensors(parts: Collection[str]) -> dict[str, dict[str, str]]:
+    by_part: dict[str, dict[str, dict[str, str]]] = {
         "battery": {
             "battery": _measured("Battery", "battery", "charge_percent", unit="%", device_class="battery"),
             "voltage": _measured("Battery voltage", "battery", "voltage_v", unit="V", device_class="voltage"),
@@ -76,18 +75,18 @@ def _value(part: str, name: str = "") -> str:
     return f"({whole} or {{}}).get('{name}')" if name else whole
 
 
-def _measured(name: str, part: str, value: str, *, unit: str, **more: str) -> dict[str, Any]:
+def _measured(name: str, part: str, value: str, *, unit: str, **more: str) -> dict[str, str]:
     measure = {"unit_of_measurement": unit, "state_class": "measurement"}
     return {"name": name, "value": _value(part, value), **measure, **more}
 
 
-def _binary(name: str, value: str, **more: str) -> dict[str, Any]:
+def _binary(name: str, value: str, **more: str) -> dict[str, str]:
     return {"platform": "binary_sensor", "name": name, "value": value, "shown": "'ON' if v else 'OFF'", **more}
 
 
 def _known(
     topic: str, *, name: str, value: str, template: str = "v", platform: str = "sensor", **more: str
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """Return a sensor that is available while the robot is there and the value is known."""
     state, read = f"{topic}/state", f"{{% set v = {value} %}}"
     is_known = {"topic": state, "value_template": f"{read}{{{{ '{OFFLINE}' if v is none else '{ONLINE}' }}}}"}
@@ -102,7 +101,7 @@ def _known(
     }
 
 
-def _asking(word_name: str, word: Word, topic: str) -> dict[str, Any]:
+def _asking(word_name: str, word: Word, topic: str) -> dict[str, object]:
     """Return a button for a word that stands alone, and a field for one with which something comes."""
     name, wanted = word_name.replace("_", " ").capitalize(), bounds(word)
     component = {"name": name, "command_topic": f"{topic}/ask/{word_name}"}

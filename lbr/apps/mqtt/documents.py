@@ -4,7 +4,7 @@ answer or an InputError.
 https://docs.aws.amazon.com/iot/latest/developerguide/device-shadow-document.html
 """
 
-from typing import Any
+from typing import TypeGuard
 
 import msgspec
 from msgspec import Struct
@@ -22,8 +22,8 @@ class Document(Struct, frozen=True, kw_only=True):
     been, by the service's own clock; None is not told."""
 
     version: int
-    reported: dict[str, Any]
-    ask: Any = None
+    reported: dict[str, object]
+    ask: object = None
     age_s: float | None = None
 
 
@@ -37,7 +37,7 @@ class Answer(Struct, frozen=True, kw_only=True):
     text: str = ""
 
 
-def read(payload: bytes) -> dict[str, Any]:
+def read(payload: bytes) -> dict[str, object]:
     """Return a JSON object."""
     if len(payload) > LARGEST_BYTES:
         raise InputError(f"it has {len(payload)} bytes, and a document {LARGEST_BYTES} at most", "malformed")
@@ -50,7 +50,7 @@ def read(payload: bytes) -> dict[str, Any]:
     return _object(content, "it")
 
 
-def version_of(fields: dict[str, Any]) -> int:
+def version_of(fields: dict[str, object]) -> int:
     """Return a document's version."""
     version = fields.get("version")
     if type(version) is not int or not 0 <= version <= MOST_VERSION:
@@ -58,7 +58,7 @@ def version_of(fields: dict[str, Any]) -> int:
     return version
 
 
-def document(fields: dict[str, Any]) -> Document:
+def document(fields: dict[str, object]) -> Document:
     """Return the document of `get/accepted`."""
     state = _object(fields.get("state") or {}, "state")
     desired = _object(state.get("desired") or {}, "state.desired")
@@ -71,7 +71,7 @@ def document(fields: dict[str, Any]) -> Document:
     )
 
 
-def answer(fields: dict[str, Any]) -> Answer:
+def answer(fields: dict[str, object]) -> Answer:
     """Return the answer in `update/accepted`, `update/rejected` or `get/rejected`."""
     token, code, text = fields.get("clientToken"), fields.get("code"), fields.get("message")
     return Answer(
@@ -82,13 +82,13 @@ def answer(fields: dict[str, Any]) -> Answer:
     )
 
 
-def _object(value: object, what: str) -> dict[str, Any]:
+def _object(value: object, what: str) -> dict[str, object]:
     if not isinstance(value, dict):
         raise InputError(f"{what} is no JSON object", "malformed")
     return value
 
 
-def _age_s(fields: dict[str, Any]) -> float | None:
+def _age_s(fields: dict[str, object]) -> float | None:
     """Return the age of the newest part of a desire: both times are the service's."""
     metadata = fields.get("metadata")
     desired = metadata.get("desired") if isinstance(metadata, dict) else None
@@ -106,12 +106,12 @@ def _stamps(metadata: object) -> list[float]:
         part = waiting.pop()
         if isinstance(part, dict):
             waiting += [value for name, value in part.items() if name != "timestamp" or isinstance(value, dict)]
-            if _is_time(part.get("timestamp")):
-                stamps.append(part["timestamp"])
+            if _is_time(stamp := part.get("timestamp")):
+                stamps.append(stamp)
         elif isinstance(part, list):
             waiting += part
     return stamps
 
 
-def _is_time(value: Any) -> bool:
-    return type(value) in (int, float) and 0 <= value < 2**40
+def _is_time(value: object) -> TypeGuard[float]:
+    return isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value < 2**40

@@ -1,25 +1,21 @@
 """The kind `mqtt`: its settings, ports and words."""
 
 import re
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 from msgspec import Meta, Struct
 
 from lbr.apps.http.names import is_local
 from lbr.apps.motion_requests import motion_requests
 from lbr.apps.mqtt.messages import MqttState
+from lbr.apps.mqtt.report import Streams
 from lbr.apps.mqtt.words import Word
 from lbr.bus.door import TokenRight
 from lbr.capability.kind import Kind, Needs, Rights, Rows, Wire
-from lbr.messages.attitude import AttitudeState
-from lbr.messages.battery import BatteryState
-from lbr.messages.behaviour import BehaviourState, RunBehaviour
+from lbr.messages.behaviour import RunBehaviour
 from lbr.messages.camera import JpegFrame
-from lbr.messages.drive import DriveState, GoalResult
-from lbr.messages.joints import JointsState, MotionsState
+from lbr.messages.drive import GoalResult
 from lbr.messages.leases import CommandReply
-from lbr.messages.motors import MotorsState
-from lbr.messages.odometry import OdometryState
 from lbr.messages.speech import SayCommand
 from lbr.messages.units import Name
 
@@ -96,16 +92,7 @@ class MqttSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
 
 _MOTION = motion_requests("move", "turn", "heading", "halt", "play", "play_halt", "stop_all")
-_STREAMS: dict[str, type[Struct]] = {
-    "battery": BatteryState,
-    "odometry": OdometryState,
-    "attitude": AttitudeState,
-    "motors": MotorsState,
-    "drive": DriveState,
-    "joints": JointsState,
-    "motions": MotionsState,
-    "behaviour": BehaviourState,
-}
+_STREAMS: dict[str, type[Struct]] = {name: get_args(kind)[0] for name, kind in Streams.__annotations__.items()}
 
 KIND = Kind(
     name="mqtt",

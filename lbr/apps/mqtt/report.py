@@ -3,28 +3,50 @@ Pure."""
 
 from collections.abc import Callable, Collection, Mapping
 from math import degrees
-from typing import Any
+from typing import Any, NamedTuple
 
 from lbr.capability.context import Received
+from lbr.messages.attitude import AttitudeState
+from lbr.messages.battery import BatteryState
+from lbr.messages.behaviour import BehaviourState
+from lbr.messages.drive import DriveState
+from lbr.messages.joints import JointsState, MotionsState
+from lbr.messages.motors import MotorsState
+from lbr.messages.odometry import OdometryState
 
 Latest = Callable[[str], Received | None]
-Report = dict[str, Any]
+Report = dict[str, object]
 OLD_S = 3.0
 """Older values are not known: the slowest of these streams comes once a second."""
-SOURCES = ("battery", "odometry", "attitude", "motors", "drive", "joints", "motions", "behaviour")
 LONGEST = 120
 MOST_FAULTS = 10
 
 
+class Streams(NamedTuple):
+    """The newest message of each stream that is reported; None for an old one."""
+
+    battery: BatteryState | None
+    odometry: OdometryState | None
+    attitude: AttitudeState | None
+    motors: MotorsState | None
+    drive: DriveState | None
+    joints: JointsState | None
+    motions: MotionsState | None
+    behaviour: BehaviourState | None
+
+
+SOURCES = Streams._fields
+
+
 def report(parts: Collection[str], latest: Latest, wired: Collection[str], now: float) -> Report:
     """Return these parts of the state; `wired` are the streams with a source, and null is not known."""
-    seen = {name: _fresh(latest(name), now) for name in SOURCES}
-    makers: Mapping[str, Callable[[], Any]] = {
-        "battery": lambda: _battery(seen["battery"]),
-        "docked": lambda: _docked(seen["battery"]),
-        "position": lambda: _position(seen["odometry"], seen["attitude"]),
+    seen = Streams(*(_fresh(latest(name), now) for name in SOURCES))
+    makers: Mapping[str, Callable[[], object]] = {
+        "battery": lambda: _battery(seen.battery),
+        "docked": lambda: _docked(seen.battery),
+        "position": lambda: _position(seen.odometry, seen.attitude),
         "motion": lambda: _motion(seen),
-        "behaviour": lambda: _behaviour(seen["behaviour"]),
+        "behaviour": lambda: _behaviour(seen.behaviour),
         "faults": lambda: _faults(seen, wired),
     }
     return {name: make() for name, make in makers.items() if name in parts}
@@ -71,7 +93,7 @@ def _rounded(value: float | None, digits: int) -> float | None:
     return None if value is None else round(value, digits) + 0.0  # so that -0.0 is 0.0
 
 
-def _battery(battery: Any) -> Report | None:
+def _battery(battery: BatteryState | None) -> Report | None:
     if battery is None or not battery.valid:
         return None
     charge = battery.charge
@@ -83,14 +105,14 @@ def _battery(battery: Any) -> Report | None:
     }
 
 
-def _docked(battery: Any) -> bool | None:
+def _docked(battery: BatteryState | None) -> bool | None:
     """Return whether it is on its dock: then it is fed or charged by it."""
     if battery is None or not battery.valid or (battery.charging is None and battery.source is None):
         return None
     return bool(battery.charging) or battery.source == "mains"
 
 
-def _position(odometry: Any, attitude: Any) -> Report:
+def _position(odometry: OdometryState | None, attitude: AttitudeState | None) -> Report:
     known = odometry if odometry is not None and odometry.valid else None
     heading = attitude.heading_deg if attitude is not None and attitude.valid else None
     return {
@@ -101,8 +123,8 @@ def _position(odometry: Any, attitude: Any) -> Report:
     }
 
 
-def _motion(seen: Mapping[str, Any]) -> Report:
-    movers = [seen[name] for name in ("drive", "joints") if seen[name] is not None]
+def _motion(seen: Streams) -> Report:
+    movers = [mover for mover in (seen.drive, seen.joints) if mover is not None]
     holder = next((mover.holder for mover in movers if mover.holder), None)
     return {
         "moving": any(mover.moving for mover in movers) if movers else None,
@@ -111,7 +133,7 @@ def _motion(seen: Mapping[str, Any]) -> Report:
     }
 
 
-def _behaviour(behaviour: Any) -> Report | None:
+def _behaviour(behaviour: BehaviourState | None) -> Report | None:
     if behaviour is None:
         return None
     return {
@@ -122,19 +144,21 @@ def _behaviour(behaviour: Any) -> Report | None:
     }
 
 
-def _faults(seen: Mapping[str, Any], wired: Collection[str]) -> list[str] | None:
+def _faults(seen: Streams, wired: Collection[str]) -> list[str] | None:
     """Return the faults, for people, the worst first; None where no stream is wired that reports any."""
     if not any(name in wired for name in SOURCES):
         return None
-    faults = [f"{name}: it says nothing" for name in SOURCES if name in wired and seen[name] is None]
-    drive, joints, motors = seen["drive"], seen["joints"], seen["motors"]
-    battery, odometry, attitude = seen["battery"], seen["odometry"], seen["attitude"]
+    faults = [
+        f"{name}: it says nothing" for name, message in seen._asdict().items() if name in wired and message is None
+    ]
+    drive, joints, motors = seen.drive, seen.joints, seen.motors
+    battery, odometry, attitude = seen.battery, seen.odometry, seen.attitude
     if any(mover is not None and mover.estop for mover in (drive, joints)):
         faults.insert(0, "the emergency stop is engaged")
     if motors is not None:
         faults += [f"motors: {fault}" for fault in motors.faults]
-    if seen["motions"] is not None and seen["motions"].fallen:
-        faults.append(f"it lies on its {seen['motions'].fallen}")
+    if seen.motions is not None and seen.motions.fallen:
+        faults.append(f"it lies on its {seen.motions.fallen}")
     if battery is not None and not battery.valid:
         faults.append(f"battery: {battery.reason or 'it is not known'}")
     if battery is not None and battery.valid and battery.level == "critical" and not battery.charging:

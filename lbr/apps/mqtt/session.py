@@ -14,12 +14,13 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from msgspec import Struct
 from paho.mqtt import client as mqtt
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
+from paho.mqtt.reasoncodes import ReasonCode
 from paho.mqtt.subscribeoptions import SubscribeOptions
 
 from lbr import home
@@ -234,7 +235,9 @@ class Session:
             if client.loop(0.02) != mqtt.MQTT_ERR_SUCCESS:
                 return
 
-    def _on_connect(self, client: mqtt.Client, _data: Any, _flags: Any, code: Any, _properties: Any) -> None:
+    def _on_connect(
+        self, client: mqtt.Client, _data: object, _flags: object, code: ReasonCode, _properties: object
+    ) -> None:
         if code.is_failure:
             self.trouble = f"it lets us not in ({code})"
             return
@@ -246,7 +249,7 @@ class Session:
             self._begin()
 
     def _on_subscribe(
-        self, _client: mqtt.Client, _data: object, _mid: int, codes: list[Any], _properties: object
+        self, _client: mqtt.Client, _data: object, _mid: int, codes: list[ReasonCode], _properties: object
     ) -> None:
         refused = [topic for topic, code in zip(self._broker.topics, codes, strict=False) if code.is_failure]
         if refused:
@@ -262,7 +265,9 @@ class Session:
         self._inbox.put(Incoming(message.topic, message.payload, message.retain))
         self._wake()
 
-    def _on_disconnect(self, _client: mqtt.Client, _data: Any, _flags: Any, code: Any, _properties: Any) -> None:
+    def _on_disconnect(
+        self, _client: mqtt.Client, _data: object, _flags: object, code: ReasonCode, _properties: object
+    ) -> None:
         if code.is_failure:
             self.trouble = self.trouble or f"the connection was lost ({code})"
 

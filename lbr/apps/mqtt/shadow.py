@@ -10,7 +10,7 @@
 
 from collections.abc import Iterator
 from math import inf
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import msgspec
 
@@ -31,7 +31,7 @@ _SUBSCRIBED = ("get/accepted", "get/rejected", "update/accepted", "update/reject
 class Asked(NamedTuple):
     """The desire of a shadow: any JSON value, and for how long it stands (None: unknown)."""
 
-    raw: Any
+    raw: object
     age_s: float | None
 
 
@@ -97,13 +97,13 @@ class ShadowState:
             del update["version"]  # a shadow that does not exist yet has no version
         yield f"{self.root}/update", msgspec.json.encode(update)
 
-    def done(self, raw: object) -> Any:
+    def done(self, raw: object) -> object:
         """Note that a desire was answered, and return its report: the desire itself, unless it is too
         long."""
         self._handled = _text(raw)
         return raw if len(self._handled) <= LARGEST_ECHO else "too long to be told"
 
-    def _fetched(self, fields: dict[str, Any]) -> Asked | None:
+    def _fetched(self, fields: dict[str, object]) -> Asked | None:
         if fields.get("clientToken") != self._get[0] or not self._get[0]:
             return None  # somebody else has asked for it
         self._get = ("", -inf)

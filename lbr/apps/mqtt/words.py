@@ -103,11 +103,6 @@ def bounds(word: Word) -> Bounds | None:
             return None
 
 
-def role(word: Word) -> Role:
-    """Return the least role that may ask it."""
-    return "view" if isinstance(word, StopWord) else "operate"
-
-
 def read(raw: object) -> Ask:
     """Return the request in a decoded JSON value; InputError names its fault."""
     try:
@@ -126,7 +121,7 @@ def order(ask: Ask, allowed: dict[str, Word], held: Role | None) -> Order:
     if word is None:
         there = ", ".join(sorted(allowed)) or "none"
         raise InputError(f"the word '{one_line(ask.word)}' is not among those of this row: {there}", "denied")
-    needed = role(word)
+    needed: Role = "view" if isinstance(word, StopWord) else "operate"
     if needed != "view" and held is None:
         raise InputError(f"'{ask.word}' needs a token: the setting 'token' of the row names none that counts", "token")
     if held is not None and RANKS[held] < RANKS[needed]:

@@ -59,10 +59,6 @@ class Graph:
             self._subscribed = frozenset((one.topic, one.type) for one in self._of("MS"))
         return (topic, type_) in self._subscribed
 
-    def topics(self) -> Collection[str]:
-        """Return what somebody subscribes to."""
-        return {one.topic for one in self._of("MS")}
-
     def name(self, gid: bytes) -> str:
         """Return the node of an endpoint, for people; also of one that is gone."""
         return found.node.path if (found := self._named.get(gid)) is not None else "somebody without a token"

@@ -15,7 +15,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeVar
 
 import zenoh
 from msgspec import Struct
@@ -27,6 +27,7 @@ from lbr.bus.session import LINK_LEASE_MS
 from lbr.bus.wire import direct, plain
 from lbr.errors import BusError
 
+T = TypeVar("T")
 STEADY_S, LONGEST_WAIT_S = 20.0, 5.0
 CONNECT_S = 1.0
 MOST_TOKENS, MOST_SAMPLES, MOST_REQUESTS = 4096, 64, 16
@@ -76,7 +77,7 @@ class Request(NamedTuple):
 class Outlet:
     """A publisher with its number and name; the loop alone sends."""
 
-    def __init__(self, publisher: Any, gid: bytes) -> None:
+    def __init__(self, publisher: zenoh.Publisher | zenoh.ext.AdvancedPublisher, gid: bytes) -> None:
         self._publisher = publisher
         self._gid = gid
         self._sequence = 0
@@ -183,14 +184,14 @@ class Link:
         self.connected, self._outlets = False, {}
         self._wake()
 
-    def _declare(self, session: zenoh.Session) -> list[Any]:
+    def _declare(self, session: zenoh.Session) -> list[object]:
         """Declare all that the robot is in ROS, and look who else is there; return what is declared."""
         self._tokens.clear()
         self._samples.clear()
         self._zid = str(session.zid())
         place = self.place
         node = Node(domain=place.domain, zid=self._zid, id="0", namespace=place.namespace, name=place.name)
-        held: list[Any] = [session.liveliness().declare_token(str(node))]
+        held: list[object] = [session.liveliness().declare_token(str(node))]
         outlets = {}
         for number, (name, port) in enumerate(self._ports.items(), 1):
             endpoint = Endpoint(
@@ -203,7 +204,7 @@ class Link:
                 qos=str(port.qos),
             )
             declared = self._declared(session, name, port, endpoint)
-            if port.kind == "MP":
+            if isinstance(declared, zenoh.Publisher | zenoh.ext.AdvancedPublisher):
                 outlets[name] = Outlet(declared, endpoint.gid)
             held += [declared, session.liveliness().declare_token(str(endpoint))]
         tokens = f"{ADMIN}/{place.domain}/**"
@@ -218,7 +219,7 @@ class Link:
         self._wake()
         return held
 
-    def _declared(self, session: zenoh.Session, name: str, port: Port, endpoint: Endpoint) -> Any:
+    def _declared(self, session: zenoh.Session, name: str, port: Port, endpoint: Endpoint) -> object:
         if port.kind == "MS":
             return session.declare_subscriber(port.keys or endpoint.key, direct(self._receive_sample))
         if port.kind == "SS":
@@ -261,7 +262,7 @@ class Link:
             self._wake()
 
 
-def _drained(inbox: deque[Any]) -> list[Any]:
+def _drained(inbox: deque[T]) -> list[T]:
     drained = []
     with suppress(IndexError):
         while True:
@@ -277,9 +278,9 @@ def _knock(endpoint: str) -> None:
         raise BusError(f"nothing answers there ({err.strerror or err})") from err
 
 
-def _settings(place: Place) -> dict[str, Any]:
+def _settings(place: Place) -> dict[str, object]:
     """Return the configuration of a session, in Zenoh's own words: as rmw_zenoh has it, where the two must agree."""
-    common: dict[str, Any] = {
+    common: dict[str, object] = {
         "scouting": {"multicast": {"enabled": False}, "gossip": {"enabled": bool(place.listen)}, "delay": 0},
         "transport": {
             "link": {

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import inf, nan, pi, tan
-from typing import Any
 
 from lbr.apps.bodies import turning
 from lbr.apps.bodies.parts import Link, RobotModel, Sensor
@@ -27,7 +26,7 @@ LENS = Place(turn=(0.5, -0.5, 0.5, -0.5))
 ULTRASOUND, INFRARED = 0, 1
 CHARGING, DISCHARGING, NOT_CHARGING = 1, 2, 3
 OK, WARN, ERROR, STALE = range(4)
-Fields = dict[str, Any]
+Fields = dict[str, object]
 
 
 def odometry(state: OdometryState, at_ns: int) -> Fields:

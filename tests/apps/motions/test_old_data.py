@@ -12,7 +12,7 @@ from lbr.database import foreign_tables, given_files
 from lbr.database.columns import columns, raw
 from lbr.database.shipped import shipped
 from lbr.errors import InputError
-from lbr.robot.old_data import Choice, Source
+from lbr.robot.old_data import Choice, Note, Source, Want
 from lbr.robots.lbr.old_cameras import OldCameras
 from lbr.robots.lbr.old_database import OldDatabase
 from lbr.robots.uxa90 import old_tables
@@ -31,7 +31,9 @@ def taken(robot, data):
     """What becomes of old data; the rows are such as their tables take."""
     rows = shipped_rows()
     here = wanted_rows.Here(rows, robot)
-    wants, notes = data.wants(here, Choice("lbr6"))
+    wishes = list(data.wants(here, Choice("lbr6")))
+    notes = [one for one in wishes if isinstance(one, Note)]
+    wants = [one for one in wishes if isinstance(one, Want)]
     found = wanted_rows.take(wants, here, rows, replacing=False)
     for row in found.rows:
         for name, value in raw(row).items():

@@ -37,7 +37,7 @@ def topics(robot, since_ns=0):
 
 
 def kept(robot, kind):
-    return [one for one in shelf(robot).kept() if one.why is not None and one.why.kind == kind]
+    return [one for one in shelf(robot).incidents() if one.why is not None and one.why.kind == kind]
 
 
 def test_streams_setpoints_events_status_rows_and_lines_are_in_it(robot):

@@ -1,6 +1,7 @@
 """`lbr behaviour`: state tables from spreadsheets and back, checked, drawn, and run."""
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -44,21 +45,21 @@ def command() -> None:
 
 
 @command.command("check")
-@click.argument("what", metavar="FILE|TABLE")
+@click.argument("source", metavar="FILE|TABLE")
 @robot_option
 @database_option
-def check(what: str, robot: str | None, database: Path | None) -> int:
+def check(source: str, robot: str | None, database: Path | None) -> int:
     """Say all that is wrong with a table in FILE (CSV or JSON) or in the robot's rows, with line, column and what to
     do."""
-    if not _is_a_file(what):
+    if not _is_a_file(source):
         rows = _rows(database, robot)
-        table, compiled = _table(rows, what), _compiled(rows)[what]
+        table, compiled = _table(rows, source), _compiled(rows)[source]
         _complain(f"behaviour '{table.name}'", compiled.faults, {})
         if compiled.errors:
             raise RowError(tuple(f"behaviour '{table.name}', {fault_text(one)}" for one in compiled.errors))
-        click.echo(f"{what}: good")
+        click.echo(f"{source}: good")
         return 0
-    path = Path(what)
+    path = Path(source)
     read = _read(path, "behaviour")
     of_robot = _rows_if_any(database, robot)
     compiled = _fits(path, BehaviourTable(name=_name_of(path)), read, of_robot)
@@ -143,7 +144,7 @@ def import_(
 @database_option
 def export(table: str, form: str, semicolons: bool, path: Path | None, robot: str | None, database: Path | None) -> int:
     """Write a TABLE as CSV or JSON, for a spreadsheet or for others; 'lbr behaviour import' takes it."""
-    _, rows = _found(table, robot, database)
+    _, rows = _stored(table, robot, database)
     if form == "json":
         content = files.to_json(rows)
     else:
@@ -164,7 +165,7 @@ def export(table: str, form: str, semicolons: bool, path: Path | None, robot: st
 @database_option
 def show(table: str, svg: bool, path: Path | None, robot: str | None, database: Path | None) -> int:
     """Draw the states of a TABLE, and what leads from one to the next."""
-    of_table, rows = _found(table, robot, database)
+    of_table, rows = _stored(table, robot, database)
     drawn = drawing.svg(of_table, rows) if svg else texts.graph(of_table, rows) + "\n"
     if path is None:
         click.echo(drawn, nl=False)
@@ -197,13 +198,13 @@ def columns() -> int:
 
 @command.command("try")
 @behaviour_trials.options
-def try_(what: str, robot: str | None, database: Path | None, *, as_json: bool, **given: Any) -> int:
+def try_(source: str, robot: str | None, database: Path | None, *, as_json: bool, **given: Any) -> int:
     """Try a table in FILE, or one of the robot's, in its simulated world: from anywhere, with noise, and nothing moves.
 
     The robot's own drive, beacon, battery and odometry do as they do when it runs; what drivers measure is simulated. A
     table that is still under way after its time counts as good. Exit code 1 if a trial failed or was not safe.
     """
-    return behaviour_trials.tries(what, *chosen(what, robot, database), as_json=as_json, **given)
+    return behaviour_trials.tries(source, *chosen(source, robot, database), as_json=as_json, **given)
 
 
 def _word(name: str, text: str) -> None:
@@ -213,7 +214,7 @@ def _word(name: str, text: str) -> None:
     @robot_options
     @json_option
     @click.pass_context
-    def say(context: click.Context, whom: Whom, as_json: bool) -> Any:
+    def say(context: click.Context, whom: Whom, as_json: bool) -> object:
         return _send(context, f"/behaviour/{name}", whom, as_json=as_json)
 
     command.add_command(say)
@@ -224,7 +225,7 @@ def _word(name: str, text: str) -> None:
 @robot_options
 @json_option
 @click.pass_context
-def run(context: click.Context, table: str, whom: Whom, as_json: bool) -> Any:
+def run(context: click.Context, table: str, whom: Whom, as_json: bool) -> object:
     """Have a running robot run TABLE from its start; it goes on without this command, and 'lbr behaviour stop' ends
     it."""
     return _send(context, f"/behaviour/run/{table}", whom, as_json=as_json)
@@ -240,7 +241,7 @@ for _name, _text in (
     _word(_name, _text)
 
 
-def _send(context: click.Context, line: str, whom: Whom, *, as_json: bool) -> Any:
+def _send(context: click.Context, line: str, whom: Whom, *, as_json: bool) -> object:
     from lbr.commands import send  # noqa: PLC0415 - the bus is for those who use it
 
     return context.invoke(
@@ -255,24 +256,24 @@ def _send(context: click.Context, line: str, whom: Whom, *, as_json: bool) -> An
 
 
 def chosen(
-    what: str, robot: str | None, database: Path | None
+    source: str, robot: str | None, database: Path | None
 ) -> tuple[RobotRows, BehaviourTable, tuple[BehaviourRow, ...]]:
     """Return a robot's rows, and a table that can be run: of a FILE, or the robot's own by its name."""
     rows = _rows(database, robot)
-    if _is_a_file(what):
-        path = Path(what)
+    if _is_a_file(source):
+        path = Path(source)
         table = BehaviourTable(name=_name_of(path))
         read = _read(path, table.name)
-        _complain(what, _fits(path, table, read, rows).faults, read.lines)
+        _complain(source, _fits(path, table, read, rows).faults, read.lines)
         return rows, table, read.rows
-    table = _table(rows, what)
-    if errors := _compiled(rows)[what].errors:
-        raise RowError(tuple(f"behaviour '{what}', {fault_text(one)}" for one in errors))
-    return rows, table, tuple(row for row in rows.of(BehaviourRow) if row.behaviour == what)
+    table = _table(rows, source)
+    if errors := _compiled(rows)[source].errors:
+        raise RowError(tuple(f"behaviour '{source}', {fault_text(one)}" for one in errors))
+    return rows, table, tuple(row for row in rows.of(BehaviourRow) if row.behaviour == source)
 
 
-def _is_a_file(what: str) -> bool:
-    return not re.fullmatch(NAME_PATTERN, what) or Path(what).is_file()
+def _is_a_file(source: str) -> bool:
+    return not re.fullmatch(NAME_PATTERN, source) or Path(source).is_file()
 
 
 def _name_of(path: Path) -> str:
@@ -307,16 +308,16 @@ def _fits(path: Path, table: BehaviourTable, read: Read, rows: RobotRows | None)
     return mine
 
 
-def _complain(where: str, faults: tuple[Fault, ...], lines: Any) -> None:
+def _complain(where: str, faults: tuple[Fault, ...], lines: Mapping[int, int]) -> None:
     """Print what is odd, no more."""
     for one in faults:
         if not one.error:
             click.echo(one_line(f"note: {_located(where, one, lines)}"), err=True)
 
 
-def _located(where: str, fault: Fault, lines: Any) -> str:
-    at = [f"line {lines[fault.step]}"] if fault.step in lines else [f"row {fault.step}"] if fault.step else []
-    return ", ".join([where, *at, *([fault.column] if fault.column else [])]) + f": {fault.text}"
+def _located(where: str, fault: Fault, lines: Mapping[int, int]) -> str:
+    """Return a fault after the name of its file or table."""
+    return f"{where}{', ' if fault.step or fault.column else ': '}{fault_text(fault, lines)}"
 
 
 def _compiled(rows: RobotRows) -> dict[str, Compiled]:
@@ -337,7 +338,7 @@ def _parts(rows: RobotRows | None) -> Parts:
     return Parts(wired & EVERY, wired - EVERY, sensors)
 
 
-def _found(table: str, robot: str | None, database: Path | None) -> tuple[BehaviourTable, tuple[BehaviourRow, ...]]:
+def _stored(table: str, robot: str | None, database: Path | None) -> tuple[BehaviourTable, tuple[BehaviourRow, ...]]:
     rows = _rows(database, robot)
     of_table = _table(rows, table)
     return of_table, tuple(row for row in rows.of(BehaviourRow) if row.behaviour == table)

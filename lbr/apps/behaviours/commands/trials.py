@@ -25,7 +25,7 @@ WITHOUT_END_S = 180.0
 MOST_TOLD = 8
 
 OPTIONS = (
-    click.argument("what", metavar="FILE|TABLE"),
+    click.argument("source", metavar="FILE|TABLE"),
     click.option("--runs", type=click.IntRange(1, 100_000), default=20, show_default=True, help="How many trials."),
     click.option(
         "--faults", type=click.IntRange(0, 1000), default=0, help="So many more with each thing that may go wrong."
@@ -60,7 +60,7 @@ def options(command: Any) -> Any:
 
 
 def tries(
-    what: str,
+    source: str,
     rows: RobotRows,
     table: BehaviourTable,
     of_table: tuple[BehaviourRow, ...],
@@ -95,11 +95,11 @@ def tries(
     if as_json:
         print_json({"table": setup.table, "seed": seed, "took_s": round(took_s, 1), "trials": outcomes})
     else:
-        click.echo(report(what, setup.table, outcomes, took_s, seed))
+        click.echo(report(source, setup.table, outcomes, took_s, seed))
     return int(any(outcome.unsafe or not (outcome.good or outcome.fault) for outcome in outcomes))
 
 
-def report(what: str, table: str, outcomes: "list[Outcome]", took_s: float, seed: int) -> str:
+def report(source: str, table: str, outcomes: "list[Outcome]", took_s: float, seed: int) -> str:
     """Return the outcomes of trials, for people."""
     plain, faulty = [each for each in outcomes if not each.fault], [each for each in outcomes if each.fault]
     robot_s = sum(each.took_s for each in outcomes)
@@ -125,7 +125,7 @@ def report(what: str, table: str, outcomes: "list[Outcome]", took_s: float, seed
         lines += [f"  NOT SAFE: {_called(each)}: {text}" for text in each.unsafe]
     bad = next((each for each in plain if not each.good), None)
     if bad is not None:
-        again = f"lbr behaviour try {what} --seed {seed} --only {bad.number}"
+        again = f"lbr behaviour try {source} --seed {seed} --only {bad.number}"
         lines.append(f"look at one that failed: {again}")
     return "\n".join(lines)
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from lbr import plugins
 from lbr.apps.motions.commands import motion_files
@@ -99,7 +99,7 @@ def _source(path: Path, content: bytes) -> Source:
     )
 
 
-def _json(text: str | None) -> Any:
+def _json(text: str | None) -> object:
     if text is None or text.lstrip()[:1] not in {"{", "["}:
         return None
     try:

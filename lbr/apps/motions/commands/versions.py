@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import datetime
 from itertools import islice
-from typing import Any
+from typing import TypeVar
 
 import msgspec
 
@@ -12,11 +12,12 @@ from lbr.messages.joints import Motion, MotionRow, MotionStep, motions_of
 from lbr.messages.motion_work import MotionVersion
 from lbr.messages.unreadable import UNREADABLE
 
+R = TypeVar("R", MotionRow, MotionStep)
 MOST = 50
 TOGETHER_S = 1.0
 """An edit writes its rows one after the other within this; a person who saves again takes longer."""
 TABLES = frozenset((MotionRow.TABLE, MotionStep.TABLE))
-Values = dict[tuple[str, ...], dict[str, Any]]
+Values = dict[tuple[str, ...], dict[str, object]]
 """Rows of a motion by table and key."""
 
 
@@ -72,7 +73,7 @@ def _undo(values: Values, revision: RevisionRow) -> None:
         values[(revision.table, *key)] = revision.old
 
 
-def _motion(values: Mapping[tuple[str, ...], dict[str, Any]], name: str) -> Motion | None:
+def _motion(values: Mapping[tuple[str, ...], dict[str, object]], name: str) -> Motion | None:
     """Return what rows make; None if there is no such motion among them, or not all of it can be read."""
     try:
         rows = [_row(value, MotionRow) for (table, *_), value in values.items() if table == MotionRow.TABLE]
@@ -83,8 +84,8 @@ def _motion(values: Mapping[tuple[str, ...], dict[str, Any]], name: str) -> Moti
     return next((one for one in found if one.name == name), None)
 
 
-def _row(value: Mapping[str, Any], kind: Any) -> Any:
+def _row(value: Mapping[str, object], kind: type[R]) -> R:
     told = {field: value[field] for field in kind.__struct_fields__ if value.get(field) is not None}
-    if isinstance(told.get("positions"), str):
-        told["positions"] = msgspec.json.decode(told["positions"])
+    if isinstance(positions := told.get("positions"), str):
+        told["positions"] = msgspec.json.decode(positions)
     return msgspec.convert(told, kind, strict=False)

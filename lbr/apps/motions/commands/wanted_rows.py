@@ -31,7 +31,7 @@ class Here(Struct, frozen=True):
     tables: RawTables
     robot: str
 
-    def rows(self, table: str) -> Sequence[Mapping[str, Any]]:
+    def rows(self, table: str) -> Sequence[Mapping[str, object]]:
         """Return the rows of a table."""
         column = "name" if table == ROBOT else "robot"
         return [row for row in self.tables.get(table, ()) if row.get(column, self.robot) == self.robot]
@@ -71,9 +71,9 @@ def _whole(row: Row) -> tuple[str, str]:
 class _State(Struct):
     """A row as it is, as it is to be, and as it was shipped; None is not there."""
 
-    before: dict[str, Any] | None
-    after: dict[str, Any]
-    shipped: dict[str, Any] | None
+    before: dict[str, object] | None
+    after: dict[str, object]
+    shipped: dict[str, object] | None
 
 
 def take(wants: Iterable[Want], here: Here, shipped: RawTables, *, replacing: bool) -> Imported:
@@ -93,7 +93,7 @@ class _Taking:
         self._shipped = shipped
         self._replacing = replacing
         self._states: dict[tuple[str, str], _State] = {}
-        self._wanted: dict[tuple[str, str, str], Any] = {}
+        self._wanted: dict[tuple[str, str, str], object] = {}
         self._notes: list[Note] = []
         self._conflicts: list[str] = []
 
@@ -215,15 +215,15 @@ def _clamped(asked: Motion, motion: Motion) -> Iterator[Note]:
         yield Note("clamped", "motion_step", motion.name, f"positions.{name}", text)
 
 
-def _existing(kind: type[Row], key: tuple[object, ...], here: Here) -> dict[str, Any] | None:
+def _existing(kind: type[Row], key: tuple[object, ...], here: Here) -> dict[str, object] | None:
     for values in here.rows(kind.TABLE):
         if tuple(values.get(name) for name in kind.KEY) == key:
             return _read(kind, values)
     return None
 
 
-def _read(kind: type[Row], values: RawRow) -> dict[str, Any]:
-    columns_of: dict[str, Any] = {}
+def _read(kind: type[Row], values: RawRow) -> dict[str, object]:
+    columns_of: dict[str, object] = {}
     for name, column in columns(kind).items():
         try:
             columns_of[name] = msgspec.json.decode(msgspec.json.encode(column.read(values.get(name))))
@@ -245,7 +245,7 @@ def _row(kind: type[Row], after: Mapping[str, object]) -> Row:
     return row
 
 
-def _get(row: Mapping[str, object], column: str) -> Any:
+def _get(row: Mapping[str, object], column: str) -> object:
     """Return a column, or an entry of one that is a JSON object; None if it is not there."""
     name, *path = column.split(".")
     value = row.get(name)

@@ -73,7 +73,7 @@ class Disk:
     def __init__(
         self, place: Callable[[], Path], library: str, *, shelf: Shelf | None = None, bounds: Bounds | None = None
     ) -> None:
-        self.messages = self.lost = self.written = self.size = 0
+        self.messages = self.lost = self.size = 0
         self.trouble = ""
         self.broken = True
         self.steady = False
@@ -135,7 +135,6 @@ class Disk:
             return
         self._segment.write(chunks.chunk(job.parts, job.start_ns, job.end_ns))
         self.messages += job.messages
-        self.written += self._segment.size - self.size
         self.size = self._segment.size
         if self.size > LARGEST_BYTES and self._shelf is not None:
             self.broken = True
@@ -181,7 +180,7 @@ class Disk:
 
     def _count(self) -> None:
         assert self._shelf is not None
-        kept = self._shelf.kept()
+        kept = self._shelf.incidents()
         self.used_bytes = size_of(self._shelf.files())
         self.kept_bytes = size_of({path for one in kept for path in one.files})
         self.kept_count = len(kept)

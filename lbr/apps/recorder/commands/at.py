@@ -3,7 +3,6 @@
 import time
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
 import click
 import msgspec
@@ -22,21 +21,21 @@ from lbr.messages.plain import one_line
 from lbr.why import telling
 from lbr.why.chain import explain
 
-Tables = dict[str, list[dict[str, Any]]]
+Tables = dict[str, list[dict[str, object]]]
 SURE = "capability"
 """The table by which it is told whether rows are the same."""
 
 
 @click.command("at")
 @click.argument("when", metavar="TIME")
-@click.argument("what", type=click.Choice(["why", "status", "rows"]))
+@click.argument("answer", metavar="{why|status|rows}", type=click.Choice(["why", "status", "rows"]))
 @click.argument("part", required=False, default="")
 @click.option("--robot", metavar="NAME", help="Whose; the only one with recordings if left out.")
 @click.option("--in", "place", default="", metavar="WHAT", help="Out of this recording or file: see lbr box list.")
 @click.option("--db", "database", type=FileName(), metavar="FILE", help="The rows whose past is looked at, for rows.")
 @json_option
 def command(
-    when: str, what: str, part: str, robot: str | None, place: str, database: Path | None, as_json: bool
+    when: str, answer: str, part: str, robot: str | None, place: str, database: Path | None, as_json: bool
 ) -> int:
     """Answer as then: why something stood still, how each process was, or what the rows were.
 
@@ -47,14 +46,14 @@ def command(
     now = time.time_ns()
     at_ns = times.moment_ns(when, now)
     if at_ns > now:
-        raise InputError(f"{times.shown(at_ns, now)} is still to come")
-    if what == "rows":
+        raise InputError(f"{times.text(at_ns, now)} is still to come")
+    if answer == "rows":
         return _rows(at_ns, part, robot, place, database, as_json=as_json)
     moment = _moment(at_ns, robot, place)
     if moment.late_s > SILENT_S:
         text = f"nothing was recorded for {times.length(moment.late_s)} until then; this is how it was before"
         click.echo(f"lbr: {text}", err=True)
-    return _why(moment, part, as_json=as_json) if what == "why" else _status(moment, as_json=as_json)
+    return _why(moment, part, as_json=as_json) if answer == "why" else _status(moment, as_json=as_json)
 
 
 def _moment(at_ns: int, robot: str | None, place: str) -> Moment:

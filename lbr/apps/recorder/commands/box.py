@@ -1,12 +1,15 @@
 """`lbr box`: what the black box holds, whether a robot runs or not."""
 
 import time
+from collections.abc import Callable, Iterator
 from fnmatch import fnmatchcase
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 import click
+from msgspec import Struct
+from msgspec.structs import asdict
 
 from lbr import home
 from lbr.apps.recorder.commands.completing import complete_recording
@@ -20,17 +23,18 @@ from lbr.commands.options import FileName, json_option, print_json
 from lbr.errors import InputError
 from lbr.messages.plain import one_line
 
+F = TypeVar("F", bound=Callable[..., object])
 AROUND_S = 10.0
 SHOWN_EVENTS = 20
 MB = 1_000_000
 
 
-def which_robot(function: Any) -> Any:
+def which_robot(function: F) -> F:
     """Add --robot; the command gets it as `robot`."""
     return click.option("--robot", metavar="NAME", help="Whose; the only one with recordings if left out.")(function)
 
 
-def span_options(function: Any) -> Any:
+def span_options(function: F) -> F:
     """Add --from, --to and --at."""
     function = click.option(
         "--from", "begin", metavar="TIME", help="From then on: 10m (ago), 14:02, 'yesterday 9:30'."
@@ -53,7 +57,7 @@ def list_box(robot: str | None, as_json: bool) -> int:
     name, place = of_robot(robot)
     files, now = place.files(), time.time_ns()
     begin_ns, end_ns = selection.span_ns([*files[:1], *files[-1:]])
-    incidents, made = place.kept(), place.recordings()
+    incidents, made = place.incidents(), place.recordings()
     if as_json:
         print_json(
             {
@@ -65,7 +69,7 @@ def list_box(robot: str | None, as_json: bool) -> int:
         )
         return 0
     if files:
-        span = f"{times.shown(begin_ns, now)} to {times.shown(end_ns, now)} ({times.length((end_ns - begin_ns) / 1e9)})"
+        span = f"{times.text(begin_ns, now)} to {times.text(end_ns, now)} ({times.length((end_ns - begin_ns) / 1e9)})"
         click.echo(f"box of {name}: {span}, {shelf.size_of(files) / MB:.1f} MB in {len(files)} files")
     else:
         click.echo(f"box of {name}: empty")
@@ -79,40 +83,40 @@ def list_box(robot: str | None, as_json: bool) -> int:
 
 
 @command.command("show")
-@click.argument("what", required=False, default="", shell_complete=complete_recording)
+@click.argument("recording", metavar="[WHAT]", required=False, default="", shell_complete=complete_recording)
 @which_robot
 @span_options
 @json_option
-def show(what: str, robot: str | None, begin: str | None, end: str | None, around: str | None, as_json: bool) -> int:
+def show(
+    recording: str, robot: str | None, begin: str | None, end: str | None, around: str | None, as_json: bool
+) -> int:
     """Show what is in WHAT: topics with how many messages, and what happened. Without WHAT it is the box."""
-    chosen, start_ns, end_ns = selected(what, robot, begin, end, around)
+    chosen, start_ns, end_ns = selected(recording, robot, begin, end, around)
     counted = _counted(chosen, start_ns, end_ns)
     if as_json:
-        print_json({"name": chosen.name, "why": chosen.why, **counted})
+        print_json({"name": chosen.name, "why": chosen.why, **asdict(counted)})
         return 0
     now = time.time_ns()
     if chosen.why is not None:
         click.echo(_line(str(chosen.why)))
-    if not counted["topics"]:
+    if not counted.topics:
         click.echo("nothing was recorded in that time")
-        _tell_damage(counted["damage"])
+        _tell_damage(counted.damage)
         return 1
-    seconds = max(1e-9, (counted["to_ns"] - counted["from_ns"]) / 1e9)
-    span = f"{times.shown(counted['from_ns'], now)} to {times.shown(counted['to_ns'], now)}"
+    seconds = max(1e-9, (counted.to_ns - counted.from_ns) / 1e9)
+    span = f"{times.text(counted.from_ns, now)} to {times.text(counted.to_ns, now)}"
     click.echo(f"{chosen.name}: {span} ({times.length(seconds)})")
-    width = max(map(len, counted["topics"]))
-    for topic, one in sorted(counted["topics"].items()):
-        click.echo(
-            _line(f"{topic:<{width}}  {one['messages']:>8}  {one['messages'] / seconds:7.1f} Hz  {one['message']}")
-        )
-    for event in counted["events"][-SHOWN_EVENTS:]:
-        click.echo(_line(f"{times.shown(event['wall_ns'], now)} {event['subject']}: {event['text']}"))
-    _tell_damage(counted["damage"])
+    width = max(map(len, counted.topics))
+    for topic, one in sorted(counted.topics.items()):
+        click.echo(_line(f"{topic:<{width}}  {one.messages:>8}  {one.messages / seconds:7.1f} Hz  {one.message}"))
+    for event in counted.events[-SHOWN_EVENTS:]:
+        click.echo(_line(f"{times.text(event.wall_ns, now)} {event.subject}: {event.text}"))
+    _tell_damage(counted.damage)
     return 0
 
 
 @command.command("export")
-@click.argument("what", required=False, default="", shell_complete=complete_recording)
+@click.argument("recording", metavar="[WHAT]", required=False, default="", shell_complete=complete_recording)
 @which_robot
 @span_options
 @click.option(
@@ -123,7 +127,7 @@ def show(what: str, robot: str | None, begin: str | None, end: str | None, aroun
 @click.option("--force", is_flag=True, help="Take the place of what is there.")
 def export(
     *,
-    what: str,
+    recording: str,
     robot: str | None,
     begin: str | None,
     end: str | None,
@@ -144,10 +148,10 @@ def export(
         raise InputError(f"{target} is a folder: --mcap writes one file")
     if target.exists() and not force and (mcap is not None or any(target.iterdir())):
         raise InputError(f"{target} is there already; --force takes its place")
-    chosen, start_ns, end_ns = selected(what, robot, begin, end, around)
+    chosen, start_ns, end_ns = selected(recording, robot, begin, end, around)
     damage = selection.Damage()
 
-    def wanted(*, count: bool = False) -> Any:
+    def wanted(*, count: bool = False) -> Iterator[Message]:
         there = selection.messages(chosen.files, start_ns, end_ns, damage=damage if count else None)
         return (one for one in there if not topics or any(fnmatchcase(one.topic, pattern) for pattern in topics))
 
@@ -164,15 +168,15 @@ def export(
 
 
 @command.command("delete")
-@click.argument("what", nargs=-1, required=True, shell_complete=complete_recording)
+@click.argument("names", metavar="WHAT...", nargs=-1, required=True, shell_complete=complete_recording)
 @which_robot
-def delete(what: tuple[str, ...], robot: str | None) -> int:
+def delete(names: tuple[str, ...], robot: str | None) -> int:
     """Delete WHAT: what the box kept or a recording, by name; box for all of its own files but the one it writes."""
     _name, place = of_robot(robot)
-    if "" in what:  # as an unset variable of a shell is: it means the box where something is shown
+    if "" in names:  # as an unset variable of a shell is: it means the box where something is shown
         raise InputError("nothing is named that is to be deleted; 'lbr box list' shows what there is")
-    chosen = [(recording, selection.choose(place, recording)) for recording in what]
-    folders = {recording.path.name: recording.path for recording in place.kept()}
+    chosen = [(recording, selection.choose(place, recording)) for recording in names]
+    folders = {recording.path.name: recording.path for recording in place.incidents()}
     code = 0
     for name, recording in chosen:
         own = [folders[name]] if name in folders else list(recording.files)
@@ -216,13 +220,13 @@ def of_robot(robot: str | None) -> tuple[str, Shelf]:
 
 
 def selected(
-    what: str, robot: str | None, begin: str | None, end: str | None, around: str | None
+    recording: str, robot: str | None, begin: str | None, end: str | None, around: str | None
 ) -> tuple[Chosen, int, int]:
     """Return what is meant, and from when to when; InputError says what there is."""
     start_ns, end_ns = span(begin, end, around)
-    if what and Path(what).is_file():
-        return selection.choose(shelf.Shelf(home.home(), "none"), what), start_ns, end_ns
-    return selection.choose(of_robot(robot)[1], what), start_ns, end_ns
+    if recording and Path(recording).is_file():
+        return selection.choose(shelf.Shelf(home.home(), "none"), recording), start_ns, end_ns
+    return selection.choose(of_robot(robot)[1], recording), start_ns, end_ns
 
 
 def span(begin: str | None, end: str | None, around: str | None) -> tuple[int, int]:
@@ -240,25 +244,44 @@ def span(begin: str | None, end: str | None, around: str | None) -> tuple[int, i
     return start_ns, end_ns
 
 
-def _counted(chosen: Chosen, start_ns: int, end_ns: int) -> dict[str, Any]:
-    damage = selection.Damage()
-    topics: dict[str, dict[str, Any]] = {}
-    events: list[dict[str, Any]] = []
-    first = last = 0
+class _Topic(Struct):
+    """The messages of a topic: how many, of which size together, and of which type."""
 
-    def note(message: Message) -> None:
-        nonlocal first, last
-        first, last = min(first or message.log_ns, message.log_ns), max(last, message.log_ns)
-        known = topics.setdefault(message.topic, {"messages": 0, "bytes": 0, "message": message.channel.schema_name})
-        known["messages"] += 1
-        known["bytes"] += len(message.data)
+    messages: int
+    bytes: int
+    message: str
+
+
+class _Happened(Struct):
+    """An event of a recording."""
+
+    wall_ns: int
+    subject: str = ""
+    text: str = ""
+
+
+class _Counted(Struct):
+    """The contents of a recording."""
+
+    from_ns: int
+    to_ns: int
+    topics: dict[str, _Topic]
+    events: list[_Happened]
+    damage: Damage
+
+
+def _counted(chosen: Chosen, start_ns: int, end_ns: int) -> _Counted:
+    counted = _Counted(0, 0, {}, [], selection.Damage())
+    for message in selection.messages(chosen.files, start_ns, end_ns, damage=counted.damage):
+        at_ns = message.log_ns
+        counted.from_ns, counted.to_ns = min(counted.from_ns or at_ns, at_ns), max(counted.to_ns, at_ns)
+        topic = counted.topics.setdefault(message.topic, _Topic(0, 0, message.channel.schema_name))
+        topic.messages += 1
+        topic.bytes += len(message.data)
         if message.topic == "@event" and isinstance(event := exports.decoded(message), dict):
             texts = {key: str(event.get(key, "")) for key in ("subject", "text")}
-            events.append({"wall_ns": message.log_ns, **texts})
-
-    for message in selection.messages(chosen.files, start_ns, end_ns, damage=damage):
-        note(message)
-    return {"from_ns": first, "to_ns": last, "topics": topics, "events": events, "damage": damage}
+            counted.events.append(_Happened(at_ns, **texts))
+    return counted
 
 
 def _tell_damage(damage: Damage) -> None:

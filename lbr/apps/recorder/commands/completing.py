@@ -15,7 +15,7 @@ def complete_recording(_context: click.Context, _parameter: click.Parameter, beg
     """Return what the box kept, and what was recorded on purpose."""
     with suppress(LbrError, OSError):
         shelves = [shelf.Shelf(home.home(), robot) for robot in shelf.robots(home.home())]
-        kept = [(one.path.name, one.why.text if one.why else "") for here in shelves for one in here.kept()]
+        kept = [(one.path.name, one.why.text if one.why else "") for here in shelves for one in here.incidents()]
         made = [(path.stem, "a recording") for here in shelves for path in here.recordings()]
         return items(begun, kept + made)
     return []

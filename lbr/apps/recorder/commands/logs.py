@@ -151,7 +151,7 @@ def _recorded(name: str, robot: str | None, begin: str | None, end: str | None) 
         entry = export.decoded(message) if message.topic == "@log" else None
         if isinstance(entry, dict) and (not name or entry.get("name") in wanted):
             count += 1
-            click.echo(_clean(f"{times.shown(message.log_ns, now)} {entry.get('name')}: {entry.get('message')}"))
+            click.echo(_clean(f"{times.text(message.log_ns, now)} {entry.get('name')}: {entry.get('message')}"))
     return 0 if count else 1
 
 

@@ -5,7 +5,7 @@ import sys
 import time
 from collections import deque
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import click
 
@@ -51,7 +51,7 @@ class Series(NamedTuple):
 @click.option("--from", "begin", metavar="TIME", help="Out of the black box: from 10m (ago), 14:02 ... on.")
 @click.option("--to", "end", metavar="TIME", help="Until then; now if left out.")
 @click.option(
-    "--in", "what", default="", metavar="WHAT", help="Out of this recording or file instead: see lbr box list."
+    "--in", "recording", default="", metavar="WHAT", help="Out of this recording or file instead: see lbr box list."
 )
 def command(
     fields: tuple[str, ...],
@@ -60,15 +60,15 @@ def command(
     once: bool,
     begin: str | None,
     end: str | None,
-    what: str,
+    recording: str,
 ) -> int:
     """Plot numbers of streams, such as drive/state.power motors/state.left; live until Ctrl-C, or out of the black box.
 
     Fields within others and places of lists stand behind a dot: drive/state.loop.rate_hz. True is 1, false 0.
     """
     series = [_series(text) for text in fields]
-    if begin is not None or end is not None or what:
-        return _recorded(series, whom.robot, begin, end, what)
+    if begin is not None or end is not None or recording:
+        return _recorded(series, whom.robot, begin, end, recording)
     robot = target.find(*whom)
     with target.connected(robot) as bus:
         take = _taker(bus, robot.robot, series)
@@ -90,12 +90,12 @@ def _series(text: str) -> Series:
     return Series(text, topic, tuple(path.split(".")), deque(maxlen=100_000))
 
 
-def _taker(bus: Session, robot: str, series: list[Series]) -> Callable[[], dict[str, Any]]:
+def _taker(bus: Session, robot: str, series: list[Series]) -> Callable[[], dict[str, object]]:
     """Return what takes in news, and returns the newest message of each topic that was heard."""
     feeds = {each.topic: wire.Subscription(bus, topics.key_of(robot, each.topic), depth=2000) for each in series}
-    newest: dict[str, Any] = {}
+    newest: dict[str, object] = {}
 
-    def take() -> dict[str, Any]:
+    def take() -> dict[str, object]:
         for topic, feed in feeds.items():
             for raw in feed.take():
                 try:
@@ -110,7 +110,7 @@ def _taker(bus: Session, robot: str, series: list[Series]) -> Callable[[], dict[
     return take
 
 
-def _wait(take: Callable[[], dict[str, Any]], series: list[Series]) -> None:
+def _wait(take: Callable[[], dict[str, object]], series: list[Series]) -> None:
     """Wait for the first message of each topic; InputError for a field that is no number there."""
     until = time.monotonic() + WAIT_S
     while missing := sorted({each.topic for each in series} - (newest := take()).keys()):
@@ -122,7 +122,7 @@ def _wait(take: Callable[[], dict[str, Any]], series: list[Series]) -> None:
             _refuse(each, newest[each.topic])
 
 
-def _refuse(series: Series, message: Any) -> None:
+def _refuse(series: Series, message: object) -> None:
     """Raise InputError for a field that is not there, or never a number; one that is null now may become one."""
     known = dict(fields(message))
     path = ".".join(series.path)
@@ -135,7 +135,7 @@ def _refuse(series: Series, message: Any) -> None:
     )
 
 
-def _live(take: Callable[[], Any], series: list[Series], seconds: float) -> int:
+def _live(take: Callable[[], object], series: list[Series], seconds: float) -> int:
     from lbr.commands.screen import redraw  # noqa: PLC0415 - rich, for people alone
 
     def frame() -> str:
@@ -145,9 +145,9 @@ def _live(take: Callable[[], Any], series: list[Series], seconds: float) -> int:
     redraw(frame, FRAME_S)
 
 
-def _recorded(series: list[Series], robot: str | None, begin: str | None, end: str | None, what: str) -> int:
-    chosen, start_ns, end_ns = box.selected(what, robot, begin, end, None)
-    last: dict[str, Any] = {}
+def _recorded(series: list[Series], robot: str | None, begin: str | None, end: str | None, recording: str) -> int:
+    chosen, start_ns, end_ns = box.selected(recording, robot, begin, end, None)
+    last: dict[str, object] = {}
     for message in selection.messages(chosen.files, start_ns, end_ns):
         of_topic = [each for each in series if each.topic == message.topic]
         if of_topic:
@@ -164,7 +164,7 @@ def _recorded(series: list[Series], robot: str | None, begin: str | None, end: s
     if not points:
         raise InputError("there was no number in that time")
     now = time.time_ns()
-    click.echo(f"{times.shown(int(min(points) * 1e9), now)} to {times.shown(int(max(points) * 1e9), now)}")
+    click.echo(f"{times.text(int(min(points) * 1e9), now)} to {times.text(int(max(points) * 1e9), now)}")
     length = max(0.001, max(points) - min(points))
     click.echo(_drawn(series, max(points), length, *size(), colours=sys.stdout.isatty()))
     return 0
@@ -202,6 +202,6 @@ def _drawn(series: list[Series], now: float, seconds: float, width: int, height:
     return str(figure.show(legend=True))
 
 
-def _label(val: Any, chars: int, delta: Any, left: bool = False) -> str:  # noqa: ARG001 - as plotille calls it
+def _label(val: float, chars: int, delta: object, left: bool = False) -> str:  # noqa: ARG001 - as plotille calls it
     text = f"{float(val):.4g}"
     return text.ljust(chars) if left else text.rjust(chars)

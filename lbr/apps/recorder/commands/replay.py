@@ -40,7 +40,7 @@ _LETTERS = {b" ": "pause", b"q": "end", b"+": "faster", b"-": "slower", b"\x04":
 
 
 @click.command("replay")
-@click.argument("what", required=False, default="", shell_complete=complete_recording)
+@click.argument("recording", metavar="[WHAT]", required=False, default="", shell_complete=complete_recording)
 @box.which_robot
 @box.span_options
 @click.option(
@@ -63,7 +63,7 @@ _LETTERS = {b" ": "pause", b"q": "end", b"+": "faster", b"-": "slower", b"\x04":
 @json_option
 def command(
     *,
-    what: str,
+    recording: str,
     robot: str | None,
     begin: str | None,
     end: str | None,
@@ -85,7 +85,7 @@ def command(
     """
     if not _NAME.fullmatch(name):
         raise InputError(f"'{name[:60]}' is not a robot's name: small letters, digits and _")
-    chosen, start_ns, end_ns = box.selected(what, robot, begin, end, around)
+    chosen, start_ns, end_ns = box.selected(recording, robot, begin, end, around)
     if check:
         from lbr.apps.recorder.commands import replay_check  # noqa: PLC0415
 
@@ -204,7 +204,7 @@ def _show(player: Player, shown_at: float) -> float:
     at_ns = player.at_ns(now)
     gone, whole = (at_ns - player.start_ns) / 1e9, (player.end_ns - player.start_ns) / 1e9
     how = "paused" if player.paused else f"x{player.speed:g}"
-    text = f"{times.shown(at_ns, time.time_ns())}  {gone:.0f} of {whole:.0f} s  {how}  ({KEYS})"
+    text = f"{times.text(at_ns, time.time_ns())}  {gone:.0f} of {whole:.0f} s  {how}  ({KEYS})"
     print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
     return now + SHOWN_S
 

@@ -20,10 +20,12 @@ def check(chosen: Chosen, start_ns: int, end_ns: int, tries: int, *, as_json: bo
 
     recorded = checks.read(chosen.files, start_ns, end_ns)
     if not as_json:
-        devices = ", ".join(f"{name} ({len(line.exchanges)})" for name, line in sorted(recorded.taken.lines.items()))
+        devices = ", ".join(
+            f"{name} ({len(line.exchanges)})" for name, line in sorted(recorded.exchanged.lines.items())
+        )
         seconds = (recorded.end_ns - recorded.start_ns) / 1e9
         click.echo(
-            f"{chosen.name}: {seconds:.1f} s of '{recorded.robot}', exchanges of {devices}; {len(recorded.taken.commands)} commands"
+            f"{chosen.name}: {seconds:.1f} s of '{recorded.robot}', exchanges of {devices}; {len(recorded.exchanged.commands)} commands"
         )
     for number in range(1, tries + 1):
         outcome = checks.run(recorded, _progress if not as_json else lambda _text: None)
@@ -64,7 +66,7 @@ def _tell(outcome: Outcome, recorded: Recorded) -> None:
             click.echo(
                 f"    {_at(diff.at_ns, recorded)} {diff.field}: {_value(diff.recorded)} then, {_value(diff.now)} now"
             )
-    click.echo(f"{'commands':<28} {outcome.said}, {_verdict(len(outcome.answered_otherwise))}")
+    click.echo(f"{'commands':<28} {outcome.commands}, {_verdict(len(outcome.answered_otherwise))}")
     for call in outcome.answered_otherwise[:SHOWN]:
         asked = call.command
         then, now = _answer(asked.reply), _answer(call.reply) if call.reply is not None else "no answer"
@@ -73,8 +75,8 @@ def _tell(outcome: Outcome, recorded: Recorded) -> None:
         )
     if outcome.begun_before:
         click.echo(f"    {outcome.begun_before} went by a lease from before the recording, and were left out")
-    click.echo(f"{'reasons':<28} {outcome.reasons}, {_verdict(len(outcome.missing) + len(outcome.new))}")
-    for text, events in (("then alone", outcome.missing), ("now alone", outcome.new)):
+    click.echo(f"{'reasons':<28} {outcome.reasons}, {_verdict(len(outcome.missing) + len(outcome.added))}")
+    for text, events in (("then alone", outcome.missing), ("now alone", outcome.added)):
         for happened in events[:SHOWN]:
             what = f"{happened.subject} {happened.kind} [{happened.code}]"
             click.echo(f"    {_at(happened.at_ns, recorded)} {what}: {text}")
@@ -110,7 +112,7 @@ def _plain(outcome: Outcome, recorded: Recorded, tries: int) -> dict[str, object
             for topic, count in outcome.setpoints.items()
         },
         "commands": {
-            "said": outcome.said,
+            "said": outcome.commands,
             "begun_before": outcome.begun_before,
             "otherwise": [
                 {
@@ -124,8 +126,8 @@ def _plain(outcome: Outcome, recorded: Recorded, tries: int) -> dict[str, object
         },
         "reasons": {
             "told": outcome.reasons,
-            "then_alone": [list(event.what) for event in outcome.missing],
-            "now_alone": [list(event.what) for event in outcome.new],
+            "then_alone": [list(event.identity) for event in outcome.missing],
+            "now_alone": [list(event.identity) for event in outcome.added],
         },
         "late_s": outcome.late_s,
     }

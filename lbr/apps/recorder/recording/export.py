@@ -7,10 +7,11 @@ import re
 from collections.abc import Callable, Iterable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import IO, Any
+from typing import IO
 
 import msgspec
 from mcap.writer import CompressionType, Writer
+from msgspec import Struct
 
 from lbr.apps.recorder.recording.chunks import Channel, Message
 from lbr.errors import InputError
@@ -22,6 +23,12 @@ Again = Callable[[], Iterable[Message]]
 PICTURES = "foxglove.CompressedImage"
 LONGEST_LIST = 16
 TIME, SECONDS = "time", "time_s"
+
+
+class _Picture(Struct):
+    """As much of a picture as is written into a file."""
+
+    data: str
 
 
 def to_mcap(path: Path, messages: Iterable[Message], library: str) -> int:
@@ -68,7 +75,7 @@ def to_csv(folder: Path, again: Again) -> dict[str, int]:
     counts: dict[str, int] = {}
     called = file_names(columns)
     files: dict[str, IO[str]] = {}
-    tables: dict[str, Any] = {}
+    tables: dict[str, csv.DictWriter[str]] = {}
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for topic, names in columns.items():
@@ -98,7 +105,7 @@ def file_names(topics: Iterable[str]) -> dict[str, str]:
     return names
 
 
-def fields(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+def fields(value: object, name: str = "") -> Iterator[tuple[str, object]]:
     """Yield the plain values within decoded JSON, each with its path; long lists stay JSON."""
     if isinstance(value, dict) and value:
         for key, part in value.items():
@@ -112,11 +119,11 @@ def fields(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
         yield name or "value", value
 
 
-def _nested(values: list[Any]) -> bool:
+def _nested(values: list[object]) -> bool:
     return any(isinstance(one, dict | list) for one in values)
 
 
-def decoded(message: Message) -> Any:
+def decoded(message: Message) -> object:
     """Return a message as plain data; what is no JSON as a text."""
     try:
         return msgspec.json.decode(message.data)
@@ -130,21 +137,21 @@ def _fields(one: Message) -> list[str]:
     return [name for name, _value in _columns(one)]
 
 
-def _columns(one: Message) -> Iterator[tuple[str, Any]]:
+def _columns(one: Message) -> Iterator[tuple[str, object]]:
     """Yield the plain values of a message by the names of their columns."""
     for name, value in fields(decoded(one)):
         yield (f"message.{name}" if name in {TIME, SECONDS} else name), value
 
 
-def _row(message: Message, folder: Path, called: str) -> dict[str, Any]:
+def _row(message: Message, folder: Path, called: str) -> dict[str, object]:
     at = datetime.fromtimestamp(message.log_ns / 1e9, UTC)
-    row: dict[str, Any] = {TIME: at.isoformat(timespec="microseconds"), SECONDS: f"{message.log_ns / 1e9:.6f}"}
+    row: dict[str, object] = {TIME: at.isoformat(timespec="microseconds"), SECONDS: f"{message.log_ns / 1e9:.6f}"}
     if message.channel.schema_name == PICTURES:
         return row | {"file": _picture(message, folder, called, at)}
     return row | {name: _cell(value) for name, value in _columns(message)}
 
 
-def _cell(value: Any) -> Any:
+def _cell(value: object) -> object:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, float) and not math.isfinite(value):
@@ -154,10 +161,10 @@ def _cell(value: Any) -> Any:
 
 def picture_in(one: Message) -> bytes | None:
     """Return the bytes of the picture in a message, None if it has no picture."""
-    said = decoded(one)
+    picture = one.read(_Picture)
     try:
-        return base64.b64decode(said["data"], validate=True)
-    except (KeyError, TypeError, ValueError):
+        return base64.b64decode(picture.data, validate=True) if picture is not None else None
+    except ValueError:
         return None
 
 

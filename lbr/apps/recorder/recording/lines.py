@@ -6,7 +6,7 @@ sent since. An answer without a question has its time alone.
 
 import bisect
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from msgspec import Struct
 
@@ -51,7 +51,7 @@ class Command(Struct, frozen=True, kw_only=True):
     name: str
     source: str
     payload: bytes
-    reply: dict[str, Any]
+    reply: dict[str, object]
     answerable: bool
 
 
@@ -184,14 +184,14 @@ class RecordedLine:
             self._by_question.setdefault(sent.data, []).append(exchange)
 
 
-class Taken(Struct, kw_only=True):
+class RecordedLines(Struct, kw_only=True):
     """All that a recording with lines has: lines by device, and commands in order."""
 
     lines: dict[str, RecordedLine] = {}
     commands: tuple[Command, ...] = ()
 
 
-def taken(messages: Iterable[Message]) -> Taken:
+def recorded_lines(messages: Iterable[Message]) -> RecordedLines:
     """Return what the messages of a recording have of lines and commands; what is malformed is passed over."""
     pieces: dict[str, list[LineBytes]] = {}
     lost: dict[str, int] = {}
@@ -209,7 +209,7 @@ def taken(messages: Iterable[Message]) -> Taken:
             for each in taped.commands
             if (command := _command(message.topic.removeprefix(TAPED), each, later_ns)) is not None
         ]
-    return Taken(
+    return RecordedLines(
         lines={device: RecordedLine(device, exchanged, lost[device]) for device, exchanged in pieces.items()},
         commands=tuple(sorted(commands, key=lambda command: command.at_ns)),
     )
@@ -221,7 +221,7 @@ def is_opening(message: Message) -> bool:
 
 
 def _command(to: str, taped: TapedCommand, later_ns: int) -> Command | None:
-    reply = read_or_none(taped.reply, dict[str, Any])
+    reply = read_or_none(taped.reply, dict[str, object])
     if reply is None:
         return None
     return Command(

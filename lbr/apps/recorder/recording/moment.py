@@ -2,7 +2,6 @@
 then."""
 
 from pathlib import Path
-from typing import Any
 
 from msgspec import Struct
 
@@ -17,7 +16,7 @@ _SYSTEM = ("@rows", "@status", "@event", "@log")
 
 
 class Moment(Struct, frozen=True, kw_only=True):
-    """The knowledge of that moment; `said` are the newest messages by topic with their ages, `events` oldest first.
+    """The knowledge of that moment; `messages` are the newest messages by topic with their ages, `events` oldest first.
 
     `late_s` is how long before the moment anything was recorded last: a box that was off is told by it.
     """
@@ -26,7 +25,7 @@ class Moment(Struct, frozen=True, kw_only=True):
     late_s: float
     rows: RecordedRows | None = None
     status: Status | None = None
-    said: dict[str, tuple[dict[str, Any], float]] = {}
+    messages: dict[str, tuple[dict[str, object], float]] = {}
     events: tuple[Event, ...] = ()
 
 
@@ -49,10 +48,10 @@ def moment(files: tuple[Path, ...], at_ns: int) -> Moment:
         late_s=max(0.0, (at_ns - last_ns) / 1e9),
         rows=newest["@rows"].read(RecordedRows) if "@rows" in newest else None,
         status=newest["@status"].read(Status) if "@status" in newest else None,
-        said={
+        messages={
             topic: (value, max(0.0, (at_ns - message.log_ns) / 1e9))
             for topic, message in newest.items()
-            if topic not in _SYSTEM and (value := message.read(dict[str, Any])) is not None
+            if topic not in _SYSTEM and (value := message.read(dict[str, object])) is not None
         },
         events=tuple(events[-MOST_EVENTS:]),
     )

@@ -14,7 +14,7 @@ from mcap.opcode import Opcode
 from msgspec import Struct
 
 from lbr.apps.recorder.recording import chunks
-from lbr.apps.recorder.recording.chunks import MAGIC, Channel, Contents, DamagedError, Message, Span
+from lbr.apps.recorder.recording.chunks import MAGIC, Contents, DamagedError, Message, Span
 from lbr.errors import InputError
 
 _SIGNS = (b"\x04\x00\x00\x00zstd", b"\x03\x00\x00\x00lz4", b"\x00\x00\x00\x00")
@@ -62,11 +62,6 @@ class Recording:
     def empty(self) -> bool:
         """True if nothing of a recording was found: it is another file, or was cut before its first chunk's end."""
         return not (self.spans or self._messages)
-
-    @property
-    def channels(self) -> tuple[Channel, ...]:
-        """The channels that were met while it was read."""
-        return tuple(self._contents.channels.values())
 
     def messages(self, start_ns: int = 0, end_ns: int = 1 << 63) -> Iterator[Message]:
         """Yield the messages from one time to another, chunk by chunk; what is damaged is passed over and counted."""

@@ -41,7 +41,7 @@ def choose(shelf: Shelf, name: str) -> Chosen:
     """Return what is meant by a name: `box` or nothing for the box itself; InputError says what there is."""
     if name in {"", BOX}:
         return Chosen(name=BOX, files=tuple(shelf.files()))
-    for incident in shelf.kept():
+    for incident in shelf.incidents():
         if name == incident.path.name:
             return Chosen(name=name, files=incident.files, why=incident.why)
     for path in shelf.recordings():
@@ -53,7 +53,7 @@ def choose(shelf: Shelf, name: str) -> Chosen:
         return Chosen(name=path.name, files=(path,))
     if path.is_dir() and (files := sorted(path.glob(f"*{SUFFIX}"))):
         return Chosen(name=path.name, files=tuple(files))
-    there = [BOX, *(one.path.name for one in shelf.kept()), *(one.stem for one in shelf.recordings())]
+    there = [BOX, *(one.path.name for one in shelf.incidents()), *(one.stem for one in shelf.recordings())]
     raise InputError(
         f"there is no recording '{name[:80]}'; there is {', '.join(there)}, or name a file", "unknown_name"
     )

@@ -76,7 +76,7 @@ class Shelf:
         number = int(files[-1].name[:8]) + 1 if files else 1
         return self.box / f"{number:08d}-{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}{SUFFIX}"
 
-    def kept(self) -> list[Kept]:
+    def incidents(self) -> list[Kept]:
         """Return what was kept, oldest first."""
         return [
             Kept(folder, tuple(sorted(path for path in _in(folder) if path.suffix == SUFFIX)), _incident(folder))
@@ -131,7 +131,7 @@ class Shelf:
         """Delete what was kept first while it is too much or too old; return the names of what went. The newest
         stays."""
         deleted = []
-        kept = self.kept()
+        kept = self.incidents()
         for index, incident in enumerate(kept[:-1]):
             total = size_of({path for later in kept[index:] for path in later.files})
             at = incident.why.wall_ns / 1e9 if incident.why is not None else _stat(incident.path)[1]

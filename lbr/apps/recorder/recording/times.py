@@ -42,7 +42,7 @@ def moment_ns(text: str, now_ns: int) -> int:
         raise InputError(f"'{text[:60]}' is no time; say it {HOW}") from None
 
 
-def shown(wall_ns: int, now_ns: int) -> str:
+def text(wall_ns: int, now_ns: int) -> str:
     """Return a time as people read it: of today without the date."""
     at, now = (datetime.fromtimestamp(ns / 1e9).astimezone() for ns in (wall_ns, now_ns))
     return f"{at:%H:%M:%S}" if at.date() == now.date() else f"{at:%Y-%m-%d %H:%M:%S}"

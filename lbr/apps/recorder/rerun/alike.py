@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 WINDOW_NS = 300_000_000
 """So far apart the same thing may be: a tick of each operation on its way, and a sweep of a bus of servos, twice."""
@@ -35,12 +35,12 @@ class Happened(NamedTuple):
     code: str
 
     @property
-    def what(self) -> tuple[str, str, str]:
+    def identity(self) -> tuple[str, str, str]:
         """All but the time."""
         return self.subject, self.kind, self.code
 
 
-def numbers(message: Any, path: str = "") -> dict[str, float]:
+def numbers(message: object, path: str = "") -> dict[str, float]:
     """Return the numbers of a message by their paths; what only counts or names is left out."""
     if isinstance(message, bool | int | float):
         return {path: float(message)}
@@ -77,7 +77,11 @@ def unmatched(
     alone = []
     for event in sorted(recorded):
         match = min(
-            (other for other in remaining if other.what == event.what and abs(other.at_ns - event.at_ns) <= window_ns),
+            (
+                other
+                for other in remaining
+                if other.identity == event.identity and abs(other.at_ns - event.at_ns) <= window_ns
+            ),
             key=lambda other: abs(other.at_ns - event.at_ns),
             default=None,
         )
@@ -105,7 +109,7 @@ def _unmet(
             yield at, value, min(near, key=lambda each: abs(each - value))
 
 
-def _name_of(value: Any, place: int) -> str:
+def _name_of(value: object, place: int) -> str:
     if isinstance(value, Mapping):
         return str(value.get("name", value.get("id", place)))
     return str(place)

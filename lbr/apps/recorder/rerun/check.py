@@ -9,7 +9,6 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
 
 import msgspec
 from msgspec import Struct
@@ -21,7 +20,7 @@ from lbr.apps.recorder.recording.decoding import read_or_none
 from lbr.apps.recorder.recording.recorded import RecordedRows
 from lbr.apps.recorder.rerun import alike, rows
 from lbr.apps.recorder.rerun.ends import Asked, Clock, Ends
-from lbr.apps.recorder.rerun.feed import Feed, Said
+from lbr.apps.recorder.rerun.feed import Feed, Sent
 from lbr.bus import access, keys, session, wire
 from lbr.bus import stamp as stamps
 from lbr.bus.session import Session
@@ -54,10 +53,10 @@ class Recorded(Struct, kw_only=True):
 
     robot: str
     rows: RecordedRows
-    taken: lines.Taken
+    exchanged: lines.RecordedLines
     start_ns: int
     end_ns: int
-    streams: dict[str, list[tuple[int, dict[str, Any]]]] = {}
+    streams: dict[str, list[tuple[int, dict[str, object]]]] = {}
     events: tuple[tuple[int, Event], ...] = ()
     ended: dict[str, int] = {}
     """When each goal ended."""
@@ -75,12 +74,12 @@ class Outcome(Struct, kw_only=True):
     left_out: Mapping[str, str]
     setpoints: dict[str, int]
     differences: dict[str, list[alike.Difference]]
-    said: int
-    answered_otherwise: list[Said]
+    commands: int
+    answered_otherwise: list[Sent]
     begun_before: int
     reasons: int
     missing: list[alike.Happened]
-    new: list[alike.Happened]
+    added: list[alike.Happened]
     late_s: float
     asked: dict[str, Asked] = {}
 
@@ -93,7 +92,7 @@ class Outcome(Struct, kw_only=True):
     def same(self) -> bool:
         """Return whether setpoints, answers and reasons were as recorded."""
         return not (
-            self.late or any(map(self.differs, self.setpoints)) or self.answered_otherwise or self.missing or self.new
+            self.late or any(map(self.differs, self.setpoints)) or self.answered_otherwise or self.missing or self.added
         )
 
     def differs(self, topic: str) -> bool:
@@ -109,7 +108,7 @@ class _Reader:
         self.edited = False
         self.robot = ""
         self.taped: list[Message] = []
-        self.streams: dict[str, list[tuple[int, dict[str, Any]]]] = {}
+        self.streams: dict[str, list[tuple[int, dict[str, object]]]] = {}
         self.events: list[tuple[int, Event]] = []
         self.ended: dict[str, int] = {}
 
@@ -125,11 +124,11 @@ class _Reader:
             self.edited |= self.rows is not None and saved is not None and saved.revision != self.rows.revision
             self.rows = saved or self.rows
         elif item.topic == "@status":
-            self.robot = str((item.read(dict[str, Any]) or {}).get("robot", self.robot))
+            self.robot = str((item.read(dict[str, object]) or {}).get("robot", self.robot))
         elif item.topic.endswith(RESULT):
-            if (message := item.read(dict[str, Any])) is not None:
+            if (message := item.read(dict[str, object])) is not None:
                 self.ended.setdefault(str(message.get("goal", "")), item.log_ns)
-        elif item.topic.endswith("/setpoint") and (message := item.read(dict[str, Any])) is not None:
+        elif item.topic.endswith("/setpoint") and (message := item.read(dict[str, object])) is not None:
             self.streams.setdefault(item.topic, []).append((item.log_ns, message))
 
 
@@ -156,7 +155,7 @@ def read(files: tuple[Path, ...], start_ns: int, end_ns: int) -> Recorded:
     return Recorded(
         robot=recording.robot,
         rows=recording.rows,
-        taken=lines.taken(recording.taped),
+        exchanged=lines.recorded_lines(recording.taped),
         start_ns=begin,
         end_ns=last_ns,
         streams=recording.streams,
@@ -170,11 +169,11 @@ def run(recorded: Recorded, tell: Tell) -> Outcome:
     with tempfile.TemporaryDirectory(prefix="lbr-replay-") as folder:
         place = Path(folder)
         place.chmod(0o700)
-        made = rows.prepare(place, recorded.robot, recorded.rows, recorded.taken.lines)
+        made = rows.prepare(place, recorded.robot, recorded.rows, recorded.exchanged.lines)
         if not made.devices:
             raise InputError("none of the recorded lines belongs to a capability that can run here", "not_possible")
         clock = Clock(recorded.start_ns, recorded.end_ns)
-        ends = Ends(clock, {address: recorded.taken.lines[device] for device, address in made.devices.items()})
+        ends = Ends(clock, {address: recorded.exchanged.lines[device] for device, address in made.devices.items()})
         try:
             with _running(made, recorded.robot) as bus:
                 tell("up, on the recorded bytes")
@@ -190,7 +189,9 @@ def run(recorded: Recorded, tell: Tell) -> Outcome:
 def _feed(bus: Session, recorded: Recorded, made: rows.Place) -> Feed:
     """Return what was said to the robot from outside, in the recording's time."""
     own = {*made.runs, EXECUTIVE}
-    commands = [command for command in recorded.taken.commands if command.source not in own and command.to in made.runs]
+    commands = [
+        command for command in recorded.exchanged.commands if command.source not in own and command.to in made.runs
+    ]
     stops = [(at, event.kind == ESTOP) for at, event in recorded.events if event.kind in {ESTOP, RESET}]
     return Feed(
         bus,
@@ -237,19 +238,19 @@ class _Witness:
             differences[topic] = [diff for diff in diffs if recorded.holds(diff.at_ns, window_ns)]
         reason_ns = REASON_NS + window_ns
         happened = self._coded(recorded.events)
-        missing, added = alike.unmatched(happened, self._coded(self._published_events()), reason_ns)
+        missing, unrecorded = alike.unmatched(happened, self._coded(self._published_events()), reason_ns)
         return Outcome(
             seconds=(recorded.end_ns - recorded.start_ns) / 1e9,
             runs=tuple(made.runs),
             left_out=made.left_out,
             setpoints=counts,
             differences=differences,
-            said=len(feed.said),
+            commands=len(feed.sent),
             answered_otherwise=feed.otherwise(window_ns + RENEWED_NS),
             begun_before=feed.begun_before,
             reasons=len(happened),
             missing=[event for event in missing if recorded.holds(event.at_ns, reason_ns)],
-            new=[event for event in added if recorded.holds(event.at_ns, reason_ns)],
+            added=[event for event in unrecorded if recorded.holds(event.at_ns, reason_ns)],
             late_s=feed.late_ns / 1e9,
         )
 
@@ -259,7 +260,7 @@ class _Witness:
     def _samples(self, subscription: wire.Subscription) -> list[tuple[int, dict[str, float]]]:
         samples = []
         for raw in subscription.take():
-            message, stamp = read_or_none(raw.payload, dict[str, Any]), stamps.read(raw.attachment)
+            message, stamp = read_or_none(raw.payload, dict[str, object]), stamps.read(raw.attachment)
             if message is not None:
                 at_ns = stamp.mono_ns if stamp is not None and stamp.mono_ns else int(raw.arrived * 1e9)
                 samples.append((self._dated(at_ns), alike.numbers(message)))

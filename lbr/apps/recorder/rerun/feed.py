@@ -4,7 +4,6 @@ import contextlib
 import threading
 from collections import deque
 from collections.abc import Iterable, Mapping
-from typing import Any
 
 import msgspec
 from msgspec import Struct
@@ -27,13 +26,13 @@ AGAIN_NS = 30_000_000
 BUSY = frozenset({"busy", "held"})
 
 
-class Said(Struct):
+class Sent(Struct):
     """A command that was said again: when, by the recording's clock, and what was answered; None: nothing yet."""
 
     command: Command
     at_ns: int
     renews: bool
-    reply: Mapping[str, Any] | None = None
+    reply: Mapping[str, object] | None = None
 
 
 class _Result(Struct):
@@ -53,7 +52,7 @@ class _Goal(Struct):
 
     name: str
     ended_ns: int
-    said: Said
+    begun: Sent
     payload: bytes
     next_ns: int
 
@@ -79,7 +78,7 @@ class Feed:
         ended: Mapping[str, int],
         results: Iterable[str],
     ) -> None:
-        self.said: list[Said] = []
+        self.sent: list[Sent] = []
         self.begun_before = 0
         self.late_ns = 0
         self._bus, self._robot = bus, robot
@@ -90,9 +89,9 @@ class Feed:
         self._ended = ended
         self._results = [wire.Subscription(bus, f"{robot}/{topic}", depth=256) for topic in results]
         self._over: set[str] = set()
-        self._again: deque[tuple[int, Said, bytes]] = deque()
+        self._again: deque[tuple[int, Sent, bytes]] = deque()
         self._goals: dict[str, _Goal] = {}
-        self._waiting: list[tuple[Said, bytes, wire.PendingQuery]] = []
+        self._waiting: list[tuple[Sent, bytes, wire.PendingQuery]] = []
 
     def step(self, now_ns: int) -> None:
         """Say what is due, and read answers."""
@@ -111,22 +110,22 @@ class Feed:
                 del self._goals[source]
             elif goal.ended_ns <= now_ns and goal.next_ns <= now_ns:
                 goal.next_ns = now_ns + RENEW_NS
-                self._ask(Said(goal.said.command, now_ns, renews=True), goal.payload)
+                self._ask(Sent(goal.begun.command, now_ns, renews=True), goal.payload)
 
     def finish(self, now_ns: int) -> bool:
         """Read answers; say whether all are there."""
         self._hear(now_ns)
         return not self._waiting and not self._again
 
-    def otherwise(self, window_ns: int) -> list[Said]:
+    def otherwise(self, window_ns: int) -> list[Sent]:
         """Return what was answered otherwise than then; of renewals, what none of about that time was answered like."""
-        renewals: dict[tuple[str, str, str], list[tuple[int, Any, Any]]] = {}
-        for sent in self.said:
+        renewals: dict[tuple[str, str, str], list[tuple[int, object, object]]] = {}
+        for sent in self.sent:
             if sent.renews:
                 then, now = judged(sent.command.reply), judged(sent.reply)
                 renewals.setdefault(_line_of(sent.command), []).append((sent.command.at_ns, then, now))
         differing = []
-        for sent in self.said:
+        for sent in self.sent:
             then, now = judged(sent.command.reply), judged(sent.reply)
             if not sent.command.answerable or then == now:
                 continue
@@ -154,11 +153,11 @@ class Feed:
                 self.begun_before += 1
                 return
             payload = msgspec.json.encode(msgspec.json.decode(payload) | {"lease": self._leases[lease]})
-        said = Said(command, now_ns, renews=bool(lease))
-        self.said.append(said)
+        said = Sent(command, now_ns, renews=bool(lease))
+        self.sent.append(said)
         self._ask(said, payload)
 
-    def _ask(self, sent: Said, payload: bytes) -> None:
+    def _ask(self, sent: Sent, payload: bytes) -> None:
         command = sent.command
         key = keys.port(self._robot, command.to, command.name)
         with contextlib.suppress(BusError):
@@ -188,13 +187,13 @@ class Feed:
         waiting = []
         for sent, payload, query in self._waiting:
             if query.replies:
-                sent.reply = read_or_none(query.replies[0].payload, dict[str, Any])
+                sent.reply = read_or_none(query.replies[0].payload, dict[str, object])
                 self._answered(sent, payload, now_ns)
             elif not query.done:
                 waiting.append((sent, payload, query))
         self._waiting = waiting
 
-    def _answered(self, sent: Said, payload: bytes, now_ns: int) -> None:
+    def _answered(self, sent: Sent, payload: bytes, now_ns: int) -> None:
         command, reply = sent.command, sent.reply or {}
         if (given := command.reply.get("lease")) and reply.get("lease"):
             self._leases[str(given)] = str(reply["lease"])
@@ -207,7 +206,7 @@ class Feed:
             renewal = msgspec.json.encode(msgspec.json.decode(payload) | {"lease": reply.get("lease", "")})
             self._goals[command.source] = _Goal(now, self._ended[then], sent, renewal, now_ns)
 
-    def _comes_again(self, said: Said, reply: Mapping[str, Any], now_ns: int) -> bool:
+    def _comes_again(self, said: Sent, reply: Mapping[str, object], now_ns: int) -> bool:
         """Return whether it was only too early: what went on for a moment longer than then is over soon."""
         accepted = bool(said.command.reply.get("accepted"))
         return accepted and reply.get("code") in BUSY and now_ns - said.at_ns < LONGER_NS
@@ -222,7 +221,7 @@ class Feed:
                 wire.PendingQuery(self._bus, key, b"{}", timeout_s=ANSWER_S, source="lbr replay")
 
 
-def judged(reply: Mapping[str, Any] | None) -> tuple[Any, Any, Any]:
+def judged(reply: Mapping[str, object] | None) -> tuple[object, object, object]:
     """Return what counts of an answer, whatever leases are called."""
     found = reply or {"accepted": "no answer"}
     return found.get("accepted"), found.get("code", ""), found.get("cause", "")

@@ -93,7 +93,7 @@ def _running(rows: RecordedRows, lines: Collection[str], place: Path) -> tuple[d
     return kinds, left_out
 
 
-def _why_not(kind: Kind, settings: Any, lines: Collection[str]) -> str:
+def _why_not(kind: Kind, settings: Mapping[str, object], lines: Collection[str]) -> str:
     if kind.family in {"simulation", "program"}:
         return "it is no part of the robot itself"
     if kind.rights.serves or kind.rights.people or kind.rights.records or kind.name in OUTSIDE:
@@ -103,7 +103,7 @@ def _why_not(kind: Kind, settings: Any, lines: Collection[str]) -> str:
     return ""
 
 
-def _lacks(row: Mapping[str, Any], kinds: Mapping[str, Kind], left_out: Mapping[str, str]) -> str:
+def _lacks(row: Mapping[str, object], kinds: Mapping[str, Kind], left_out: Mapping[str, str]) -> str:
     if str(row["name"]) not in kinds:
         return ""
     return next((str(one) for one in _decoded(row["needs"]) if one in left_out), "")
@@ -128,5 +128,5 @@ def _changes(tables: RawTables, schema: Schema, robot: str, rows: RecordedRows) 
     return changes.between(tables, after, schema)
 
 
-def _decoded(text: Any) -> Any:
+def _decoded(text: object) -> Any:
     return msgspec.json.decode(text) if isinstance(text, str) else text

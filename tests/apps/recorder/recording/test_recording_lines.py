@@ -84,7 +84,7 @@ def test_lines_and_commands_are_dated_by_the_recording():
     opened = TapedLine(device="motor", pieces=(LineBytes(1 * MS, True, b"?"),), opening=True)
     first = message(Taped(now_ns=10 * MS, lines=(opened,)))
     second = message(Taped(now_ns=30 * MS, commands=(command,)), log_ns=1_020 * MS)
-    found = lines.taken([first, second])
+    found = lines.recorded_lines([first, second])
     assert [one.at_ns for one in found.lines["motor"].exchanges] == [991 * MS]
     assert [(one.to, one.at_ns, one.answered_ns) for one in found.commands] == [("motors", 1_010 * MS, 1_011 * MS)]
     assert lines.is_opening(first)
@@ -93,7 +93,7 @@ def test_lines_and_commands_are_dated_by_the_recording():
 
 @given(st.lists(st.binary(max_size=80)))
 def test_rubbish_is_passed_over(rubbish):
-    found = lines.taken([message(data) for data in rubbish])
+    found = lines.recorded_lines([message(data) for data in rubbish])
     assert found.commands == () or found.commands
 
 

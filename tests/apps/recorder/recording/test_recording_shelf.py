@@ -44,13 +44,13 @@ def test_what_is_kept_outlives_the_box_and_takes_no_more_room(tmp_path):
     paths = filled(place, 3)
     place.keep("one", WHY, paths[:2])
     place.keep("two", WHY, paths[1:])
-    assert size_of({*paths, *(path for one in place.kept() for path in one.files)}) == 3000
+    assert size_of({*paths, *(path for one in place.incidents() for path in one.files)}) == 3000
     place.prune(0, 0.0, 1e12)
-    first, second = place.kept()
+    first, second = place.incidents()
     assert [path.name for path in first.files] == [path.name for path in paths[:2]]
     assert first.why == WHY
     assert place.prune_kept(2000, 1e12, 0.0) == ["one"]
-    assert [one.path.name for one in place.kept()] == ["two"]
+    assert [one.path.name for one in place.incidents()] == ["two"]
     assert len(second.files) == 2
 
 
@@ -68,5 +68,5 @@ def test_why_something_was_kept_may_be_unreadable(tmp_path):
     place = Shelf(tmp_path, "lbr")
     place.keep("one", WHY, filled(place, 1))
     (place.kept_folder / "one" / "incident.json").write_bytes(b'{"text": "\xff"}')
-    assert place.kept()[0].why is None
+    assert place.incidents()[0].why is None
     assert place.prune_kept(0, 0.0, 0.0) == []
