@@ -23,11 +23,7 @@ def snapshot(moment: Moment) -> Snapshot:
         facts=facts,
         executive="up" if moment.late_s <= SILENT_S else "down",
         status=moment.status,
-<<<<<<< HEAD
-        messages={topic: Said(message=message, age_s=age_s) for topic, (message, age_s) in moment.said.items()},
-=======
-        said={topic: Said(message=message, age_s=age_s) for topic, (message, age_s) in moment.messages.items()},
->>>>>>> 751ce172 (Messages of recorder, bridges and behaviours have their types, and names of their domain)
+        messages={topic: Said(message=message, age_s=age_s) for topic, (message, age_s) in moment.messages.items()},
         events=moment.events,
         wall_ns=moment.at_ns,
     )
