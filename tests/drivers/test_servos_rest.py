@@ -165,7 +165,7 @@ class Driver(Servos):
     def connected(self, _device, _servos):
         nothing = {name: lambda **_: None for name in ("beat", "judge", "close")}
         self.rest = Rest(self.ctx.clock)
-        return SimpleNamespace(guard=None, turning=True, failure=None, rest=self.rest, **nothing)
+        return SimpleNamespace(guard=None, turning=True, answers=True, failure=None, rest=self.rest, **nothing)
 
     def act(self, _session, _now):
         self.follows.append(self._gate.follows)

@@ -136,6 +136,10 @@ class Servos(Capability[S], ABC, Generic[S, T]):
     def answer(self, session: T) -> None:
         """Answer the commands that waited for the line."""
 
+    def answers(self) -> bool:
+        """Return whether the line answers."""
+        return self._session is not None and self._session.answers
+
     def known(self) -> bool:
         """Return whether it is known which servos have torque."""
         return True

@@ -66,10 +66,6 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
         session.targets.apply(self._gate, self._strength(now), snapshot)
         self._heed_estop(session, now)
 
-    def answers(self) -> bool:
-        """Return whether any servo was heard."""
-        return self._session is not None and self._session.hears
-
     def known(self) -> bool:
         """Return whether every servo was looked for; before, silence leaves open which of them have torque."""
         return self._snapshot.searched

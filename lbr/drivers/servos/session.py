@@ -79,23 +79,24 @@ class Session(ABC, Generic[S, L]):
         return self.poller.heard > self.opened
 
     @property
+    def answers(self) -> bool:
+        """Return whether the line answers."""
+        return self.hears
+
+    @property
     def failure(self) -> Exception | None:
         """Return what ended the bus's thread."""
         return self.thread.failure
-
-    @property
-    def guarded(self) -> bool:
-        """Return whether the guard is there and would act, or the row wants none."""
-        return not self._ctx.settings.guard or (self.guard is not None and self.guard.listens)
 
     def urgent(self) -> bool:
         """Return whether a stop waits; the bus asks that while it listens."""
         return self.thread.urgent()
 
     def beat(self) -> None:
-        """Feed the guard, which is there as soon as a servo answers, or may have torque."""
+        """Feed the guard, which is there as soon as the line answers, or a servo may have torque; before, none gets
+        it."""
         turning = self.turning
-        if self.guard is None and self._ctx.settings.guard and (turning or self.hears):
+        if self.guard is None and self._ctx.settings.guard and (turning or self.answers):
             try:
                 self.guard = self.start_guard()
             except OSError as err:
@@ -105,6 +106,7 @@ class Session(ABC, Generic[S, L]):
                 ) from err
         if self.guard is not None:
             self.guard.beat(turning=turning)
+        self.targets.guarded = not self._ctx.settings.guard or (self.guard is not None and self.guard.listens)
 
     def judge(self) -> None:
         """Report a line that babbles, now and then."""
@@ -167,11 +169,6 @@ class ServoSession(Session[S, B]):
     def start_guard(self) -> Guard:
         """Start the guard that the driver made."""
         return self.link.guard()
-
-    def beat(self) -> None:
-        """Feed the guard; without one that would act no servo gets torque."""
-        super().beat()
-        self.targets.guarded = self.guarded
 
     def judge(self) -> None:
         """Report a line that babbles or echoes, now and then."""

@@ -76,8 +76,6 @@ class ServoTargets(Torque[TargetState], Generic[B]):
         self._sending: Future[None] | None = None
         self._sent_at = -inf
         self._faded_at = -inf
-        self.guarded = True
-        """True if a guard would release the servos after this driver's death; before, no servo gets torque."""
         self.broken: Exception | None = None
         """The error of a job that does not concern the line: a servo was not told what it should be."""
 

@@ -51,6 +51,8 @@ class Torque(ABC, Generic[T]):
         self.servos = {servo: target(servo) for servo in servos}
         self._clock = clock
         self._gate = first(clock())
+        self.guarded = True
+        """True if a guard would release the servos after this driver's death; before, no servo gets torque."""
 
     @property
     def turning(self) -> bool:

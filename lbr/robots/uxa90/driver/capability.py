@@ -126,13 +126,6 @@ class Uxa90(Servos[Uxa90Settings, Session]):
         self._gate = ended(self._gate, why)
         session.targets.loose(self._gate.goals)
 
-    def answers(self) -> bool:
-        """Say whether the main board or a servo said anything; where the row reads no servos nothing is waited for."""
-        session = self._session
-        if session is None:
-            return False
-        return session.answered or session.hears or not self.ctx.settings.sweep_hz
-
     def lacks(self) -> Reason | None:
         """Return that the servos are still being looked for, or nothing."""
         return None if self._known else Reason("not_ready", LOOKED_FOR)

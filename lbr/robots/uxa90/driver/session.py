@@ -117,6 +117,11 @@ class Session(session.Session[Uxa90Settings, Bus]):
         self.thread.submit(self.targets.brake, STOP, "brake")
 
     @property
+    def answers(self) -> bool:
+        """Return whether the main board or a servo answers; where the row reads no servos nothing is waited for."""
+        return self.answered or self.hears or not self._ctx.settings.sweep_hz
+
+    @property
     def turning(self) -> bool:
         """Return whether any servo has torque by this driver, or the main board moves them."""
         return self.targets.turning or self.controller.plays.busy

@@ -77,7 +77,7 @@ class ServoTargets(Torque[TargetState]):
             self.freeze()
         for target in self._all():
             self._settle(target, now)
-        if gate.follows:
+        if gate.follows and self.guarded:
             self._follow(gate, now)
         if strength < 1.0:
             self._fade(strength)
