@@ -26,7 +26,7 @@ def command(whom: Whom, database: Path | None, as_dot: bool, as_json: bool) -> i
         raise InputError("--db is for rows here, and --connect for a robot elsewhere; leave out one")
     wires = _elsewhere(whom) if whom.connect else _graph_here(whom.robot, database)
     if as_json:
-        print_json(wiring.plain(wires))
+        print_json(wires)
         return 0
     for line in wiring.dot(wires) if as_dot else wiring.tree(wires):
         click.echo(line)

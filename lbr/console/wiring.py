@@ -1,7 +1,6 @@
 """Shows who feeds whom, from the rows: as a text tree, as a graph for `dot`, and as plain data."""
 
 from collections.abc import Iterable, Mapping
-from typing import Any
 
 import msgspec
 from msgspec import Struct
@@ -86,17 +85,6 @@ def dot(of: Graph) -> list[str]:
         style = "" if edge.enabled else ", style=dashed"
         lines.append(f'  "{source}" -> "{target}" [label="{output} > {port}{rate}"{style}];')
     return [*lines, "}"]
-
-
-def plain(of: Graph) -> dict[str, Any]:
-    """Return the graph as plain data."""
-    return {
-        "robot": of.robot,
-        "nodes": [{"name": n.name, "kind": n.kind, "enabled": n.enabled, "state": n.state} for n in of.nodes],
-        "edges": [
-            {"source": e.source, "target": e.target, "enabled": e.enabled, "rate_hz": e.rate_hz} for e in of.edges
-        ],
-    }
 
 
 def from_plain(data: object) -> Graph:

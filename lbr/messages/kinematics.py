@@ -12,6 +12,7 @@ from math import copysign, cos, isfinite, sin
 from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
+from msgspec.structs import replace
 
 from lbr.messages.rows import Fault, Others, Row
 from lbr.messages.units import Name, Vector
@@ -157,15 +158,7 @@ def differential(track_m: float) -> Base:
         Wheel(name="left", motor="left", y_m=half, diameter_m=1.0),
         Wheel(name="right", motor="right", y_m=-half, diameter_m=1.0),
     )
-    base = _base("differential", wheels, 1.0)
-    return Base(
-        kind="differential",
-        motors=TWO,
-        per_twist=base.per_twist,
-        per_speed=base.per_speed,
-        diameters_m=(None, None),
-        track_m=track_m,
-    )
+    return replace(_base("differential", wheels, 1.0), diameters_m=(None, None), track_m=track_m)
 
 
 def base_of(rows: Iterable[Kinematics], wheels: Iterable[Wheel], track_m: float) -> Base:

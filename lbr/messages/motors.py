@@ -58,3 +58,11 @@ class MotorsState(Struct, frozen=True, kw_only=True):
     motors: dict[Name, MotorState] = {}
     heard: bool | None = None
     rests: bool = False
+
+    @property
+    def each(self) -> dict[str, MotorState]:
+        """Every motor by its name, also where `left` and `right` have fields of their own."""
+        return self.motors or {
+            "left": MotorState(power=self.left, amps_a=self.amps_left_a, counts=self.counts_left),
+            "right": MotorState(power=self.right, amps_a=self.amps_right_a, counts=self.counts_right),
+        }

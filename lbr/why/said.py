@@ -64,8 +64,8 @@ def _motors(report: Report[MotorsState]) -> Iterator[Link]:
     if state.armed:
         if state.heard is False:
             yield bodies.unheard(report, "the motor controller")
-        powers = [state.left, state.right, *(one.power for one in state.motors.values())]
-        yield report.link("motor", "ok", "the motors are armed" + (", and turn" if any(powers) else ", at zero"))
+        turns = any(motor.power for motor in state.each.values())
+        yield report.link("motor", "ok", "the motors are armed" + (", and turn" if turns else ", at zero"))
     elif not state.faults or state.estop:
         enable = report.now.facts.say(f"{part.name}.enable", "", enabled=True)
         yield report.link(

@@ -28,8 +28,8 @@ def test_the_tree_shows_under_each_capability_what_it_sends_and_to_whom():
     ]
 
 
-def test_dot_and_plain_data_name_every_wire():
+def test_the_graph_and_dot_name_every_wire():
     graph = wiring.graph(ROWS, {}, {})
     assert '  "drive" -> "motors" [label="setpoint > setpoint"];' in wiring.dot(graph)
     assert '  "cam" -> "web" [label="frame > frame", style=dashed];' in wiring.dot(graph)
-    assert [edge["target"] for edge in wiring.plain(graph)["edges"]] == ["motors.setpoint", "web.frame", "drive.stop"]
+    assert [edge.target for edge in graph.edges] == ["motors.setpoint", "web.frame", "drive.stop"]

@@ -85,7 +85,8 @@ class Reports:
         return flat(parts | {name: fields for name, fields in data.items() if name not in packages})
 
     def _wiring(self) -> dict[str, Any]:
-        return wiring.plain(wiring.graph(self._robot.plan.rows, *wiring.running(self._robot.status())))
+        graph = wiring.graph(self._robot.plan.rows, *wiring.running(self._robot.status()))
+        return dict(msgspec.to_builtins(graph))
 
     def _description(self) -> dict[str, Any]:
         """Return what the robot is: its capabilities with their schemas, its words, and rows that people look at."""

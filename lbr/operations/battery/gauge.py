@@ -5,7 +5,7 @@ from math import exp, inf, isfinite
 from statistics import median
 
 from lbr.messages.battery import BatteryLevel, BatteryState
-from lbr.messages.motors import MotorsState, MotorState
+from lbr.messages.motors import MotorsState
 from lbr.operations.battery import BatterySettings, charge_at
 
 MEDIAN_OF = 5
@@ -34,7 +34,7 @@ class Gauge:
         """Take a measurement."""
         settings, voltage_v = self._settings, motors.voltage_v
         self._moved = self._moved or _moves(motors, self._counts)
-        self._counts = tuple(motor.counts for motor in _each(motors))
+        self._counts = tuple(motor.counts for motor in motors.each.values())
         if voltage_v is None or not LEAST_V < voltage_v < MOST_V:  # this way round, NaN is none
             return
         if not now - self._seen <= settings.max_age_s:
@@ -148,19 +148,9 @@ class _Charger:
                 self._lowest_v = inf
 
 
-def _each(motors: MotorsState) -> tuple[MotorState, ...]:
-    """Return what is known of every motor, whether they are told as left and right or by name."""
-    if motors.motors:
-        return tuple(motors.motors.values())
-    return (
-        MotorState(power=motors.left, amps_a=motors.amps_left_a, counts=motors.counts_left),
-        MotorState(power=motors.right, amps_a=motors.amps_right_a, counts=motors.counts_right),
-    )
-
-
 def _moves(motors: MotorsState, before: tuple[int | None, ...]) -> bool:
     """Return whether the motors move the base: pushing against something does not count."""
-    each = _each(motors)
+    each = motors.each.values()
     if not any(motor.power for motor in each):
         return False
     now = tuple(motor.counts for motor in each)
@@ -169,6 +159,6 @@ def _moves(motors: MotorsState, before: tuple[int | None, ...]) -> bool:
 
 def _drawn_a(motors: MotorsState) -> float | None:
     """Return what the motors take of the battery: the current of each, for as long as its bridge is open."""
-    pairs = ((motor.amps_a, motor.power) for motor in _each(motors))
+    pairs = ((motor.amps_a, motor.power) for motor in motors.each.values())
     parts = [amps * duty for amps, duty in pairs if amps is not None and isfinite(amps)]
     return sum(parts) if parts else None

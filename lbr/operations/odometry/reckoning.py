@@ -146,12 +146,9 @@ class Reckoning:
 
     def _counts(self, motors: MotorsState) -> tuple[int, ...] | None:
         """Return the counts of each motor, in the order of the base's; None if one is not told."""
-        if self._base.two and not motors.motors:
-            told = {"left": motors.counts_left, "right": motors.counts_right}
-        else:
-            told = {name: motor.counts for name, motor in motors.motors.items()}
-        found = [counts for name in self._base.motors if (counts := told.get(name)) is not None]
-        return tuple(found) if len(found) == len(self._base.motors) else None
+        each = motors.each
+        counts = [each[name].counts if name in each else None for name in self._base.motors]
+        return None if None in counts else tuple(count for count in counts if count is not None)
 
     def _start(self, now: float) -> None:
         self._run.counted_s = now
@@ -186,10 +183,11 @@ class Reckoning:
     def _feel(self, motors: MotorsState, way_m: tuple[float, ...], elapsed_s: float) -> None:
         """Look whether a wheel stands that is pushed, and whether the wheels turn otherwise than the body."""
         settings = self._settings
-        wheels = [(motors.left, motors.amps_left_a), (motors.right, motors.amps_right_a)]
-        if motors.motors:
-            wheels = [(motors.motors[name].power, motors.motors[name].amps_a) for name in self._base.motors]
-        pushed = [abs(power) >= settings.stall_power or abs(amps or 0.0) >= settings.stall_a for power, amps in wheels]
+        each = motors.each
+        wheels = [each[name] for name in self._base.motors]
+        pushed = [
+            abs(wheel.power) >= settings.stall_power or abs(wheel.amps_a or 0.0) >= settings.stall_a for wheel in wheels
+        ]
         self._run.idle_s = tuple(
             idle_s + elapsed_s if push and step_m == 0.0 else 0.0
             for idle_s, push, step_m in zip(self._run.idle_s, pushed, way_m, strict=True)
