@@ -2,6 +2,8 @@
 
 from math import isfinite
 
+from msgspec import inspect
+
 from lbr.leases import rules
 from lbr.leases.ask import Ask
 from lbr.messages.codes import Reason
@@ -35,7 +37,8 @@ def judge(state: State, event: Command, ask: Ask[ActiveMotion], *, checked: bool
 
 def _form(state: State, command: Motion) -> Reason | None:
     """Refuse numbers that are not finite or outside their bounds, and a sensor that is not there."""
-    for name, value, low, high in _bounds(command):
+    for name, low, high in BOUNDS[type(command)]:
+        value = getattr(command, name)
         if not (isfinite(value) and low <= value <= high):
             return Reason("bad_value", f"{name} {value:g} is outside {low:g} to {high:g}")
     if isinstance(command, DriveCommand) and command.sensor not in state.sensors.singles and _means(command):
@@ -49,25 +52,19 @@ def _means(command: DriveCommand) -> bool:
     return command.range_cm > 0.0 or command.sensor != "forward"
 
 
-def _bounds(command: Motion) -> tuple[tuple[str, float, float, float], ...]:
-    """Return name, value, least and most of each number that a command asks for."""
-    if isinstance(command, TurnCommand):
-        return (("angle_deg", command.angle_deg, -360.0, 360.0),)
-    if isinstance(command, HeadingCommand):
-        return (("heading_deg", command.heading_deg, 0.0, 360.0),)
-    if isinstance(command, TwistCommand):
-        return (
-            ("vx_mps", command.vx_mps, -10.0, 10.0),
-            ("vy_mps", command.vy_mps, -10.0, 10.0),
-            ("wz_rps", command.wz_rps, -20.0, 20.0),
-        )
-    return (
-        ("power", command.power, 0.0, 1.0),
-        ("angle_deg", command.angle_deg, -360.0, 360.0),
-        ("range_cm", command.range_cm, 0.0, 769.0),
-        ("interval_s", command.interval_s, 0.0, 3600.0),
-        ("distance_cm", command.distance_cm, 0.0, 10_000.0),
+def _bounds(command: type[Motion]) -> tuple[tuple[str, float, float], ...]:
+    """Return name, least and most of each number that a command asks for, as its message has them."""
+    message = inspect.type_info(command)
+    assert isinstance(message, inspect.StructType)
+    numbers = ((field.name, field.type.type) for field in message.fields if isinstance(field.type, inspect.Metadata))
+    return tuple(
+        (name, number.ge, number.le)
+        for name, number in numbers
+        if isinstance(number, inspect.FloatType) and number.ge is not None and number.le is not None
     )
+
+
+BOUNDS = {command: _bounds(command) for command in (DriveCommand, TurnCommand, HeadingCommand, TwistCommand)}
 
 
 def _limits(state: State, command: Motion, now: float) -> Reason | None:
