@@ -24,6 +24,7 @@ Decision = tuple[LeaseTable[M], Said[M]]
 
 REVOKED_KEPT = 32
 UNPLANNED = ("lapsed", "fault")
+BACK = Reason("clock", "the clock went back")
 
 
 def end(leases: LeaseTable[M], how: Ending, why: Reason, now: float, *, heir: str = "") -> Decision[M]:
@@ -71,12 +72,12 @@ def drop_offers(leases: LeaseTable[M], offers: tuple[Lease[M], ...], how: Ending
     return leases, messages
 
 
-def lose_time(leases: LeaseTable[M], why: Reason, clock: float, now: float) -> Decision[M]:
+def lose_time(leases: LeaseTable[M], clock: float, now: float) -> Decision[M]:
     """End everything and forget every date: none of it means anything on a clock that went back from `clock`."""
     recent = {name: found for name, found in leases.persistent.items() if not clock >= found.until}
     persistent = {name: PersistentSender(until=now + PERSISTENT_S, how=found.how) for name, found in recent.items()}
     forgotten = replace(leases, stopped=now, stopped_by="", begun=now, halts=Halts(at=now), persistent=persistent)
-    return end_all(forgotten, "fault", why, now)
+    return end_all(forgotten, "fault", BACK, now)
 
 
 def happened(ended: Ended[M], kind: str = "") -> Happened:

@@ -203,7 +203,7 @@ def test_a_stream_through_the_emergency_stop_moves_nothing_after_the_reset(hand,
 
 def test_a_clock_that_went_back_ends_all_and_lets_begin_anew(hand):
     hand.ask()
-    hand._take(*ending.lose_time(hand.leases, Reason("clock", "the clock went back"), hand.now, 5.0))
+    hand._take(*ending.lose_time(hand.leases, hand.now, 5.0))
     hand.now = 5.0
     assert not hand.motion
     hand.wait(0.01)

@@ -41,7 +41,6 @@ from lbr.operations.drive.state import (
     motors_trouble,
 )
 
-BACK = Reason("clock", "the clock went back")
 PHRASING = Phrasing(
     noun="the base",
     rest="send power 0, or pause, before driving again",
@@ -226,7 +225,7 @@ def _lose_time(state: State, now: float) -> Decision:
     forgotten = replace(
         state,
         motors=None,
-        motors_gone=f"{BACK}; the motor driver was not heard since",
+        motors_gone=f"{ending.BACK}; the motor driver was not heard since",
         motors_lost=now,
         views={},
         scans={},
@@ -236,7 +235,7 @@ def _lose_time(state: State, now: float) -> Decision:
         told_at=nan,
         ticked=nan,
     )
-    return halt(forgotten, ending.lose_time(state.leases, BACK, state.clock, now), now)
+    return halt(forgotten, ending.lose_time(state.leases, state.clock, now), now)
 
 
 def _why_at_rest(state: State, now: float) -> Reason | None:

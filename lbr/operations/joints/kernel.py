@@ -26,8 +26,6 @@ from lbr.operations.joints.state import (
     waits,
 )
 
-BACK = Reason("clock", "the clock went back")
-
 
 def decide(state: State, event: Event, now: float) -> Decision:
     """Return the state after an event and what is to be said; whatever is over by `now` ends before the event
@@ -157,6 +155,6 @@ def _holder_gone(state: State, event: HolderGone, now: float) -> Decision:
 
 def _lose_time(state: State, now: float) -> Decision:
     """Stop and forget whatever has a date: none of it means anything on a clock that went back."""
-    gone = f"{BACK}; the servo driver was not heard since"
-    state, said = still(state, ending.lose_time(state.leases, BACK, state.clock, now), now)
+    gone = f"{ending.BACK}; the servo driver was not heard since"
+    state, said = still(state, ending.lose_time(state.leases, state.clock, now), now)
     return replace(state, servos=None, servos_gone=gone, servos_lost=now, servos_at=nan, ticked=nan), said

@@ -42,7 +42,6 @@ AHEAD_FRAMES = MAX_FRAMES // 2
 """And no more than that, however short they are: the joints take no more than `MAX_FRAMES`."""
 GRACE_S = 0.2
 """The end of a goal of the joints may arrive a little later than the death of its lease."""
-BACK = Reason("clock", "the clock went back")
 ENDINGS: dict[str, Ending] = {"stopped": "stopped", "superseded": "superseded"}
 
 
@@ -52,7 +51,7 @@ def decide(state: State, event: Event, now: float) -> Decision:
     if now >= state.clock:
         held, reports = ending.lapse(state.leases, now)
     else:
-        held, reports = ending.lose_time(state.leases, BACK, state.clock, now)
+        held, reports = ending.lose_time(state.leases, state.clock, now)
     state, outputs = _take(replace(state, leases=held, clock=now), reports, now)
     state, more = _handle(state, event, now)
     state, fed = _feed(state, now)

@@ -28,7 +28,6 @@ from lbr.operations.results import goal_result
 PHRASING = Phrasing(
     noun="the search for the dock", rest="stop, or pause, before going on", idle="nothing was looked for yet"
 )
-BACK = Reason("clock", "the clock went back")
 
 
 class Seeking(Struct, frozen=True, kw_only=True):
@@ -103,7 +102,7 @@ def decide(state: State, event: Event, now: float) -> tuple[State, Outputs]:
     if now >= state.clock:
         held, ends = ending.lapse(state.leases, now)
     else:
-        held, ends = ending.lose_time(state.leases, BACK, state.clock, now)
+        held, ends = ending.lose_time(state.leases, state.clock, now)
     state, outputs = _ended(replace(state, leases=held, clock=now), ends, now)
     state, more = _handle(state, event, now)
     return state, outputs + more
