@@ -45,7 +45,7 @@ from lbr.apps.web.guards import Counts, headers_of
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.serving import Serving
 from lbr.apps.web.sessions import Sessions
-from lbr.apps.web.viewing import shown_token, who
+from lbr.apps.web.viewing import asker, shown_token
 from lbr.bus.codec import Decoder
 from lbr.bus.door import LanUser
 from lbr.bus.wire import PendingQuery
@@ -98,7 +98,7 @@ class Door(BaseRoute):
         if chosen is None:
             raise Refused(400, f"this speaks {' and '.join(protocol.PROTOCOLS)}", code="not_possible")
         web = WebSocket(scope, receive, send)
-        with self._viewers.turn(who(client)):
+        with self._viewers.turn(asker(client)):
             await web.accept(chosen)
             if (connection := connection_of(scope)) is not None:
                 connection.mark("watching")
@@ -115,7 +115,7 @@ class Door(BaseRoute):
         shown = shown_token(scope) or HTTPConnection(scope).query_params.get("token", "")
         client = await self._gate.client(scope, headers, shown, owner="origin" not in headers, signs_in=True)
         refuse_without(client, "view")
-        if full := self._viewers.why_not(who(client)):
+        if full := self._viewers.why_not(asker(client)):
             raise Refused(503, f"{full} are connected already", {"Retry-After": "10"}, "busy")
         return client, client.known or peers.is_own(client.whose)
 
@@ -137,7 +137,7 @@ class Foxglove(Capability[FoxgloveSettings]):
         self._bridge = Bridge(ctx.wake, self._failed)
         self._counts = Counts()
         self._sessions = Sessions(home.home() / "credentials" / f"foxglove.{ctx.robot}.{ctx.name}.sessions", {})
-        self._place = AdvertisedAddress(cast("Any", ctx.settings), ctx.settings.port, here=tuple)
+        self._place = AdvertisedAddress(cast("Any", ctx.settings), ctx.settings.port, own_addresses=tuple)
         self._serving: Serving | None = None
         self._known: object = None
         self._goals: list[Goal] = []
@@ -236,9 +236,9 @@ class Foxglove(Capability[FoxgloveSettings]):
                 return {"code": 0, "text": "the emergency stop is engaged"}
             question = self.api.line(STOP, role="view", source=source_of(client), timeout_s=LINE_S)
         else:
-            moment = self.api.said(came_s)
+            moment = self.api.waiting(came_s)
             role = client.role or "view"
-            question = self.api.line(line, role=role, source=source_of(client), timeout_s=LINE_S, said=moment)
+            question = self.api.line(line, role=role, source=source_of(client), timeout_s=LINE_S, waiting=moment)
         result = await _result(question)
         text = result.text
         if result.hold is not None:

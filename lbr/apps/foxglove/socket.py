@@ -120,7 +120,7 @@ class Viewer:
 
     def _leave(self) -> None:
         self.gone = True
-        self._hand.release(gone=True)
+        self._hand.release(for_good=True)
         for task in self._calls - self._stops:
             task.cancel()
         self._served.api.wake()
@@ -313,7 +313,7 @@ class Viewer:
 
     def _hold(self, to: str, message: dict[str, object]) -> None:
         now = self._served.api.now()
-        if self._hand.said.wanted is None or now - self._pushed_s > RESTED_S or to != self._pushed_to:
+        if self._hand.wish.wanted is None or now - self._pushed_s > RESTED_S or to != self._pushed_to:
             self._push += 1
         self._pushed_s, self._pushed_to = now, to
         self._hand.hold(Wanted(to=to, message=message, n=self._push), now)

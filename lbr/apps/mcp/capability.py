@@ -26,7 +26,7 @@ from lbr.apps.web.bridge import Bridge
 from lbr.apps.web.face import Client, refuse_without
 from lbr.apps.web.guards import Counts, headers_of
 from lbr.apps.web.serving import Serving
-from lbr.apps.web.viewing import who
+from lbr.apps.web.viewing import asker
 from lbr.bus.door import LanUser
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
@@ -78,7 +78,7 @@ class Mcp(Capability[McpSettings]):
         super().__init__(ctx)
         self._bridge = Bridge(ctx.wake, self._failed)
         self._counts = Counts()
-        self._address = AdvertisedAddress(cast("Any", ctx.settings), ctx.settings.port, here=tuple)
+        self._address = AdvertisedAddress(cast("Any", ctx.settings), ctx.settings.port, own_addresses=tuple)
         self._serving: Serving | None = None
         self._roster = Roster(AGENTS)
         self._allowed: tuple[str, ...] = ()
@@ -167,7 +167,7 @@ class Mcp(Capability[McpSettings]):
         def made() -> Agent:
             return Agent(name, lambda source: aio.connect(robot, name=source, role=role), rules_of)
 
-        return self._roster.agent((who(client), name, role), made)
+        return self._roster.agent((asker(client), name, role), made)
 
     def _urls(self) -> tuple[str, ...]:
         return tuple(f"{url.rstrip('/')}{PATH}" for url in self._address.urls)

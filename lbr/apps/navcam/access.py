@@ -41,7 +41,7 @@ class TokenAccess:
         self,
         address: str,
         headers: Mapping[str, str],
-        shown: str = "",
+        token: str = "",
         *,
         port: int = 0,
         owner: bool = False,
@@ -49,10 +49,10 @@ class TokenAccess:
     ) -> Client:
         """Return the asker; Refused (401) without the token or a cookie, from any address."""
         del port, owner
-        if not shown:
-            scheme, _, shown = headers.get("authorization", "").partition(" ")
-            shown = shown.strip() if scheme.lower() == "bearer" else ""
-        if secrets.compare_digest(shown.encode(), self._secret):
+        if not token:
+            scheme, _, token = headers.get("authorization", "").partition(" ")
+            token = token.strip() if scheme.lower() == "bearer" else ""
+        if secrets.compare_digest(token.encode(), self._secret):
             return Client(address, name=NAME, role="view")
         session = self._login.session(headers, whose)
         if not session:

@@ -52,7 +52,7 @@ class Access:
         self,
         address: str,
         headers: Mapping[str, str],
-        shown: str = "",
+        token: str = "",
         *,
         port: int = 0,
         owner: bool = False,
@@ -63,15 +63,15 @@ class Access:
         A proxy is not believed about others, but it shows that this is not a user at this machine. `owner`: the kernel
         says that the program that asks is of this robot's own user; `whose` is what else it says.
         """
-        if not shown and "authorization" in headers:
-            shown = self._shown(headers["authorization"].strip())
-        if shown:
-            return self._by_token(address, shown)
+        if not token and "authorization" in headers:
+            token = self._token(headers["authorization"].strip())
+        if token:
+            return self._by_token(address, token)
         client = self._by_place(address, headers, port, owner=owner)
         session = self._login.session(headers, whose) if self._login is not None else ""
         return replace(client, session=session, role=client.role or "view") if session else client
 
-    def _shown(self, authorization: str) -> str:
+    def _token(self, authorization: str) -> str:
         """Return the token in a header, Bearer or as the robot lbr's old clients write it (`TOK:`); Refused (401) for
         another.
 
@@ -79,19 +79,19 @@ class Access:
         programs that still show it go on.
         """
         if authorization.startswith(OLD_SCHEME):
-            shown = authorization.removeprefix(OLD_SCHEME).strip()
-            return "" if self._legacy and not tokens.is_one(shown) else shown or NONE
-        scheme, _, shown = authorization.partition(" ")
-        if scheme.lower() != "bearer" or not shown.strip():
+            token = authorization.removeprefix(OLD_SCHEME).strip()
+            return "" if self._legacy and not tokens.is_one(token) else token or NONE
+        scheme, _, token = authorization.partition(" ")
+        if scheme.lower() != "bearer" or not token.strip():
             raise _no_token("'Authorization' must be 'Bearer NAME.SECRET.FINGERPRINT'")
-        return shown
+        return token
 
     def _by_place(self, address: str, headers: Mapping[str, str], port: int, *, owner: bool) -> Client:
-        here = names.is_loopback(address)
-        if peers.is_relayed(headers, port) or (here and not names.means_loopback(headers.get("host", ""))):
+        is_here = names.is_loopback(address)
+        if peers.is_relayed(headers, port) or (is_here and not names.means_loopback(headers.get("host", ""))):
             return Client(address)
         trusted = self._is_trusted(address)
-        if here:
+        if is_here:
             operates = trusted or self._legacy
             return Client(address, role=OWNER if owner else TRUSTED if operates else HERE, legacy=self._legacy)
         return Client(address, role=TRUSTED if trusted else None, legacy=trusted and self._legacy)

@@ -21,11 +21,11 @@ def of_machine() -> tuple[str, ...]:
     return tuple(dict.fromkeys(str(ip) for ip in found))
 
 
-def reached_at(host: str, here: Iterable[str]) -> tuple[str, ...]:
+def reached_at(host: str, own_addresses: Iterable[str]) -> tuple[str, ...]:
     """Return the addresses at which a server that listens at `host` is reached, given those of this machine."""
     if host not in EVERYWHERE:
         return (host,)
-    return tuple(one for one in here if host == "::" or ":" not in one)
+    return tuple(one for one in own_addresses if host == "::" or ":" not in one)
 
 
 def url(address: str, port: int, *, tls: bool) -> str:

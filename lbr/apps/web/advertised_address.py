@@ -22,7 +22,7 @@ class AdvertisedAddress:
         self,
         settings: "WebSettings",
         port: int,
-        here: Callable[[], tuple[str, ...]] = addresses.of_machine,
+        own_addresses: Callable[[], tuple[str, ...]] = addresses.of_machine,
     ) -> None:
         self.port = port
         self.open = not names.is_local(settings.host)
@@ -35,12 +35,12 @@ class AdvertisedAddress:
         if self.tls and settings.names:
             with suppress(InputError):  # the server reports it when it reads them
                 self._certified = settings.names[0] if home.given_credentials(*certificates.OWN_FILES) else ""
-        self._here = here
+        self._own_addresses = own_addresses
         self.look()
 
     def look(self) -> tuple[str, ...]:
         """Return the addresses as they are now."""
-        self.addresses = addresses.reached_at(self._settings.host, self._here() if self.open else ())
+        self.addresses = addresses.reached_at(self._settings.host, self._own_addresses() if self.open else ())
         self.urls = tuple(addresses.url(one, self.port, tls=self.tls) for one in self.addresses)
         return self.addresses
 
@@ -66,15 +66,15 @@ class AdvertisedAddress:
         if not self.urls:
             return f"The server listens at port {self.port}, but this machine is in no network now."
         others = f"\nAlso at {', '.join(self.urls[1:])}" if self.urls[1:] else ""
-        return f"{self.url}{others}\n{self._who()}"
+        return f"{self.url}{others}\n{self._clients()}"
 
-    def told(self) -> str:
+    def text(self) -> str:
         """Return the address with its QR code, for a terminal."""
         if not (self.open and self.urls):
             return self.words()
         return f"{qr.characters(self.url)}\n{self.words()}\nOn a light terminal cameras may not read it; the same code is at {self.url}qr"
 
-    def _who(self) -> str:
+    def _clients(self) -> str:
         networks = [one for one in self._settings.trusted if not names.is_local(one.partition("/")[0])]
         if networks:
             return f"Clients in {' or '.join(networks)} need no token; all others do: 'phone' gives a phone one."

@@ -13,9 +13,9 @@ TRY_AGAIN_S = 30.0
 KINDS = ("_http._tcp.local.", "_lbr._tcp.local.")
 
 
-def own_mark(there: tuple[str, ...], port: int) -> str:
+def own_mark(addresses: tuple[str, ...], port: int) -> str:
     """Return what tells a server from others: machines of one image have the same host name, but not one address."""
-    return hashlib.blake2b(f"{there} {port}".encode(), digest_size=3).hexdigest()
+    return hashlib.blake2b(f"{addresses} {port}".encode(), digest_size=3).hexdigest()
 
 
 class Announcer:
@@ -40,16 +40,16 @@ class Announcer:
     async def run(self) -> None:
         """Announce until cancelled; nothing that goes wrong ends it."""
         while True:
-            there = self._where()
-            if not there:
+            addresses = self._where()
+            if not addresses:
                 self.trouble = "this machine is in no network"
                 await asyncio.sleep(LOOK_S)
                 continue
-            wait_s = await self._announce(there)
+            wait_s = await self._announce(addresses)
             if wait_s:
                 await asyncio.sleep(wait_s)
 
-    async def _announce(self, there: tuple[str, ...]) -> float:
+    async def _announce(self, addresses: tuple[str, ...]) -> float:
         """Announce for as long as the addresses stay; return how long to wait before the next try."""
         try:
             from zeroconf import Error, IPVersion
@@ -57,19 +57,19 @@ class Announcer:
         except ImportError:
             self.trouble = "the package 'zeroconf' is missing: pip install 'lbr[web]'"
             return TRY_AGAIN_S
-        both = any(":" in one for one in there)
+        both = any(":" in address for address in addresses)
         try:
             zeroconf = AsyncZeroconf(
-                interfaces=[one for one in there if ":" not in one] or list(there),
-                ip_version=IPVersion.All if both and all(":" in one for one in there) else IPVersion.V4Only,
+                interfaces=[address for address in addresses if ":" not in address] or list(addresses),
+                ip_version=IPVersion.All if both and all(":" in address for address in addresses) else IPVersion.V4Only,
             )
         except (OSError, Error, RuntimeError) as err:
             self.trouble = f"the network takes no announcement ({err})"
             return TRY_AGAIN_S
         try:
             properties = self._properties()
-            there_as = [ipaddress.ip_address(one).packed for one in there]
-            mark = own_mark(there, self._port)
+            there_as = [ipaddress.ip_address(address).packed for address in addresses]
+            mark = own_mark(addresses, self._port)
             infos = [
                 AsyncServiceInfo(
                     kind,
@@ -85,7 +85,7 @@ class Announcer:
             broadcasts = await asyncio.gather(*told)
             self.said, self.trouble = infos[0].name, ""
             await asyncio.gather(*broadcasts)
-            await self._until_changed(there, properties)
+            await self._until_changed(addresses, properties)
         except (OSError, Error, TimeoutError) as err:
             self.trouble = f"the network takes no announcement ({err or type(err).__name__})"
             return TRY_AGAIN_S
@@ -97,8 +97,8 @@ class Announcer:
                 async with asyncio.timeout(1.0):
                     await zeroconf.async_close()
 
-    async def _until_changed(self, there: tuple[str, ...], properties: dict[str, str]) -> None:
+    async def _until_changed(self, addresses: tuple[str, ...], properties: dict[str, str]) -> None:
         while True:
             await asyncio.sleep(LOOK_S)
-            if self._where() != there or self._properties() != properties:
+            if self._where() != addresses or self._properties() != properties:
                 return

@@ -54,7 +54,7 @@ class Knows(Protocol):
         self,
         address: str,
         headers: Mapping[str, str],
-        shown: str = "",
+        token: str = "",
         *,
         port: int = 0,
         owner: bool = False,
@@ -84,7 +84,7 @@ class Gate:
         return self._pages.allows(origin)
 
     async def client(
-        self, scope: Scope, headers: Mapping[str, str], shown: str = "", *, owner: bool = False, signs_in: bool = False
+        self, scope: Scope, headers: Mapping[str, str], token: str = "", *, owner: bool = False, signs_in: bool = False
     ) -> Client:
         """Return the asker; Refused (401) for an invalid token.
 
@@ -92,10 +92,10 @@ class Gate:
         `signs_in`, the program's user is looked up also without a cookie.
         """
         address, port = address_of(scope), (scope.get("server") or ("", 0))[1] or 0
-        owner = owner and not shown and "authorization" not in headers and names.is_loopback(address)
+        owner = owner and not token and "authorization" not in headers and names.is_loopback(address)
         whose = await _whose(scope) if owner or signs_in or "cookie" in headers else None
         owner = owner and peers.is_own(whose)
-        client = self._access.client(address, headers, shown, port=port, owner=owner, whose=whose)
+        client = self._access.client(address, headers, token, port=port, owner=owner, whose=whose)
         return replace(client, whose=whose)
 
     async def arguments(self, endpoint: "Endpoint", scope: Scope, receive: Receive) -> dict[str, Any]:

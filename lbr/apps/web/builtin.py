@@ -136,8 +136,8 @@ class BuiltinRoutes:
         stop = StopCommand(reason=why[:200], whole=True)
         asked = {name: self._robot.ctx.ask(name, stop, STOP_S) for name in self._wired()}
         wired = {target for name in asked for target in self._robot.ctx.targets(name)}
-        said = self._say_stop(source) if not self._lenders() <= wired else None
-        if not asked and said is None:
+        line = self._say_stop(source) if not self._lenders() <= wired else None
+        if not asked and line is None:
             return Refused(503, "nothing that could be stopped is wired to this server by channel rows", code="wiring")
         for request, one in asked.items():
             await until(lambda one=one: one.answers() is not None)  # type: ignore[misc]
@@ -146,10 +146,10 @@ class BuiltinRoutes:
                 return next(filter(None, refusals))
             if request == STOPS[0]:
                 break  # all that moves stands; who moved it may be restarting
-        if said is None:
+        if line is None:
             return None
-        await until(lambda: said.done or bool(said.replies))
-        return _unless_done(said)
+        await until(lambda: line.done or bool(line.replies))
+        return _unless_done(line)
 
     def _lenders(self) -> frozenset[str]:
         return self._api.known.lenders if self._api.known is not None else frozenset()
@@ -229,12 +229,12 @@ def _refusal(name: str, answer: Any) -> Refused | None:
     return None if answer.accepted else Refused(409, answer.why)
 
 
-def _unless_done(said: PendingQuery) -> Refused | None:
+def _unless_done(question: PendingQuery) -> Refused | None:
     """Return why a line did not do what it says; None if it did."""
-    if not said.replies:
+    if not question.replies:
         return Refused(503, "the robot does not answer", {"Retry-After": "1"})
     try:
-        result = _results.decode(said.replies[0].payload)
+        result = _results.decode(question.replies[0].payload)
     except MalformedError as err:
         return Refused(503, str(err), code="malformed")
     return None if result.code == 0 else Refused(409, heard(result.reason_code or "refused", result.text))

@@ -75,7 +75,7 @@ class Web(Capability[WebSettings]):
         self._serving: Serving | None = None
         self._api: Api | None = None
         self._announcer: Announcer | None = None
-        self._place = AdvertisedAddress(ctx.settings, ctx.settings.port, here=tuple)
+        self._place = AdvertisedAddress(ctx.settings, ctx.settings.port, own_addresses=tuple)
         self._tell_at = self._look_at = self._busy_until = self._opened = 0.0
         self._requests = 0
 
@@ -141,7 +141,7 @@ class Web(Capability[WebSettings]):
             local = place.local if self._announcer is not None and not self._announcer.trouble else ""
             call.reply(
                 AddressReply(
-                    accepted=listens, reason=place.told(), url=place.url, local=local, open=place.open, tls=place.tls
+                    accepted=listens, reason=place.text(), url=place.url, local=local, open=place.open, tls=place.tls
                 )
             )
         elif isinstance(call.message, StopCommand):
@@ -217,13 +217,13 @@ class Web(Capability[WebSettings]):
 
     def _announced(self) -> dict[str, str]:
         """Return what the network is told beside where this server is: `door` is the port of the door for programs."""
-        told = {"path": "/", "robot": self.ctx.robot, "tls": str(int(self._place.tls))}
+        properties = {"path": "/", "robot": self.ctx.robot, "tls": str(int(self._place.tls))}
         with suppress(LbrError, OSError):
             lan = [at for one in home.running() if one.robot == self.ctx.robot for at in one.lan]
             doors = [at.rpartition(":")[2] for at in lan if at.startswith("tls/")]
             if doors:
-                told["door"] = doors[0]
-        return told
+                properties["door"] = doors[0]
+        return properties
 
     def _take_pace(self, now: float) -> None:
         """Step as often as clients need."""
@@ -235,7 +235,7 @@ class Web(Capability[WebSettings]):
         """Note the newest states, for requests on the other thread."""
         self._robot.snapshot = Snapshot(
             at=now,
-            heard={name: last for name in PORTS.states if (last := self.ctx.latest(name)) is not None},
+            inputs={name: last for name in PORTS.states if (last := self.ctx.latest(name)) is not None},
             faces=self._faces.states(),
         )
         if self._place.open and now >= self._look_at:

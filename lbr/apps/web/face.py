@@ -154,14 +154,14 @@ def refuse_without(client: Client, role: Role | None) -> None:
         return
     if client.name:
         raise Refused(403, f"this needs the role '{role}', and the token '{client.name}' has '{client.role}'")
-    who = (
+    text = (
         f"{client.address} is not among the trusted networks"
         if client.role is None
         else f"{client.address} has the role '{client.role}' without a token, and this needs '{role}'"
     )
     raise Refused(
         401,
-        f"{who}: show a token, 'Authorization: Bearer NAME.SECRET.FINGERPRINT'; 'lbr token add NAME --for web' makes one",
+        f"{text}: show a token, 'Authorization: Bearer NAME.SECRET.FINGERPRINT'; 'lbr token add NAME --for web' makes one",
         {"WWW-Authenticate": 'Bearer realm="lbr"'},
     )
 

@@ -4,7 +4,7 @@ refused in words."""
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import wraps
-from typing import Any
+from typing import TypeVar
 
 from lbr import plugins
 from lbr.apps.web import openapi
@@ -15,56 +15,32 @@ from lbr.capability.border import border
 from lbr.errors import InputError, told
 from lbr.plugins import Plugin, PluginError
 
+T = TypeVar("T")
+
 
 class Shown:
     """A face behind a guard: whatever breaks in it ends this face and no other. `broken` says what did."""
 
-    def __init__(self, face: Face, routes: Iterable[Route], told: str) -> None:
+    def __init__(self, face: Face, routes: Iterable[Route], label: str) -> None:
         self.name = face.name
         self.broken = ""
-        self._told = told
+        self._label = label
         self._face = face
         self.routes = tuple(replace(route, handle=self._guarded(route.handle)) for route in routes)
 
-    @property
-    def jobs(self) -> int:
-        """Return how many jobs wait or are under way."""
-        return int(self._run(lambda: self._face.jobs, 0))
-
-    def step(self, now: float) -> None:
-        """Do one round of work."""
-        self._run(lambda: self._face.step(now), None)
-
-    def knows(self) -> bool:
-        """Return whether it has heard what its clients ask for first."""
-        return bool(self._run(self._face.knows, True))
-
-    def stopped(self, reason: str) -> None:
-        """Forget what waits."""
-        self._run(lambda: self._face.stopped(reason), None)
-
-    def close(self) -> None:
-        """End what goes on by itself."""
-        self._run(self._face.close, None)
-
-    def state(self) -> dict[str, Any]:
-        """Return what belongs into the stream of states."""
-        return dict(self._run(self._face.state, {}))
-
-    def _run(self, work: Callable[[], object], otherwise: object) -> Any:
-        if self.broken:
-            return otherwise
-        results = [otherwise]
-        with border(self._break):
-            results = [work()]
-        return results[0]
+    def run(self, work: Callable[[Face], T], otherwise: T) -> T:
+        """Return what the face does; `otherwise` once it is broken."""
+        if not self.broken:
+            with border(self._break):
+                return work(self._face)
+        return otherwise
 
     def _break(self, err: Exception) -> None:
-        self.broken = f"{self._told}: it broke, and is shown no more: {told(err)}"
+        self.broken = f"{self._label}: it broke, and is shown no more: {told(err)}"
 
-    def _guarded(self, handle: Callable[..., object]) -> Callable[..., Any]:
+    def _guarded(self, handle: Callable[..., T]) -> Callable[..., T]:
         @wraps(handle)
-        def guarded(**arguments: Any) -> Any:
+        def guarded(**arguments: object) -> T:
             if self.broken:
                 raise Refused(503, self.broken)
             return handle(**arguments)
@@ -108,7 +84,7 @@ class Faces:
                 self._refuse(label, str(err))
                 continue
             self._taken |= dict.fromkeys(map(_claim, routes), f"face '{face.name}'")
-            self.shown.append(Shown(face, routes, self._told(label)))
+            self.shown.append(Shown(face, routes, self._label(label)))
             self._loaded.append((label, face))
         return [route for shown in self.shown for route in shown.routes]
 
@@ -125,30 +101,30 @@ class Faces:
     @property
     def jobs(self) -> int:
         """Return how many jobs wait or are under way."""
-        return sum(one.jobs for one in self.shown)
+        return sum(shown.run(lambda face: int(face.jobs), 0) for shown in self.shown)
 
     def step(self, now: float) -> None:
         """Let each do a round of work."""
-        for one in self.shown:
-            one.step(now)
+        for shown in self.shown:
+            shown.run(lambda face: face.step(now), None)
 
     def know(self) -> bool:
         """Return whether all have heard what their clients ask for first."""
-        return all(one.knows() for one in self.shown)
+        return all(shown.run(lambda face: bool(face.knows()), True) for shown in self.shown)
 
     def stopped(self, reason: str) -> None:
         """Have each forget what waits: the robot was stopped by way of this server, or it ends."""
-        for one in self.shown:
-            one.stopped(reason)
+        for shown in self.shown:
+            shown.run(lambda face: face.stopped(reason), None)
 
     def close(self) -> None:
         """Have each end what goes on by itself."""
-        for one in self.shown:
-            one.close()
+        for shown in self.shown:
+            shown.run(lambda face: face.close(), None)
 
-    def states(self) -> dict[str, dict[str, Any]]:
+    def states(self) -> dict[str, dict[str, object]]:
         """Return what each adds to the stream of states."""
-        return {one.name: one.state() for one in self.shown}
+        return {shown.name: shown.run(lambda face: dict(face.state()), {}) for shown in self.shown}
 
     def _fitting(self, face: Face, builtin: tuple[Route, ...]) -> tuple[Route, ...]:
         """Return a face's routes; raise InputError if they are no routes, are taken, or cannot be described."""
@@ -163,9 +139,9 @@ class Faces:
         return routes
 
     def _refuse(self, label: str, why: str) -> None:
-        self._refused.append(f"{self._told(label)}: {why}")
+        self._refused.append(f"{self._label(label)}: {why}")
 
-    def _told(self, label: str) -> str:
+    def _label(self, label: str) -> str:
         return f"{label}, in the setting 'faces' of capability '{self._row}'"
 
 

@@ -91,16 +91,16 @@ class Answering:
             await _answer(broken, scope, receive, sealed, begun=begun)
 
     def _seal(self, scope: Scope, message: Message) -> None:
-        found = dict(SECURITY)
+        headers = dict(SECURITY)
         origin = headers_of(scope).get("origin", "")
         if origin and self._pages.allows(origin):
-            found["access-control-allow-origin"] = ANY if self._pages.allows(ANY) else origin
-            found["access-control-expose-headers"] = "ETag, Reason-Code, Retry-After, WWW-Authenticate"
+            headers["access-control-allow-origin"] = ANY if self._pages.allows(ANY) else origin
+            headers["access-control-expose-headers"] = "ETag, Reason-Code, Retry-After, WWW-Authenticate"
         if not self._pages.allows(ANY):
-            found["vary"] = "Origin"
+            headers["vary"] = "Origin"
         given = message.get("headers", ())
         said = {name for name, _ in given}
-        more = [(name.encode(), value.encode()) for name, value in found.items() if name.encode() not in said]
+        more = [(name.encode(), value.encode()) for name, value in headers.items() if name.encode() not in said]
         message["headers"] = [*given, *more]
 
 
@@ -120,18 +120,18 @@ class Limits:
                 connection.mark("stopping")
             await self._app(scope, receive, send)
             return
-        who = names.peer_name(address_of(scope))
-        if not self._rates.take(who, time.monotonic()):
+        asker = names.peer_name(address_of(scope))
+        if not self._rates.take(asker, time.monotonic()):
             await asyncio.sleep(TOO_OFTEN_S)
             raise Refused(429, "too many requests a second from this address", {"Retry-After": "1"})
         if scope["type"] == "websocket":
             await self._app(scope, receive, send)  # bounded where it is looked at
             return
-        if busy := self._turns.why_not(who):
+        if busy := self._turns.why_not(asker):
             raise Refused(
                 503, f"{busy} are being answered already", {"Retry-After": "1", "Connection": "close"}, "busy"
             )
-        with self._turns.turn(who):
+        with self._turns.turn(asker):
             await self._app(scope, receive, send)
 
 
@@ -159,11 +159,11 @@ def headers_of(scope: Scope) -> dict[str, str]:
     read: dict[str, str] | None = scope.get(_READ)
     if read is not None:
         return read
-    found: dict[str, str] = scope.setdefault(_READ, {})
+    headers: dict[str, str] = scope.setdefault(_READ, {})
     for name, value in scope["headers"]:
         key, said = name.decode("latin-1").lower(), value.decode("latin-1")
-        found[key] = f"{found[key]}, {said}" if key in found else said
-    return found
+        headers[key] = f"{headers[key]}, {said}" if key in headers else said
+    return headers
 
 
 def address_of(scope: Scope) -> str:

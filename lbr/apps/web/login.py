@@ -60,9 +60,9 @@ class Login:
         return response
 
     def _cookie(self, headers: Mapping[str, str]) -> str:
-        found: SimpleCookie = SimpleCookie()
+        cookies: SimpleCookie = SimpleCookie()
         try:
-            found.load(headers.get("cookie", ""))
+            cookies.load(headers.get("cookie", ""))
         except CookieError:
             return ""
-        return found[self._name].value if self._name in found else ""
+        return cookies[self._name].value if self._name in cookies else ""

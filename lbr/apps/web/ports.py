@@ -37,13 +37,13 @@ class FacePorts:
 
 def with_faces(own: FacePorts) -> tuple[FacePorts, tuple[str, ...]]:
     """Return the server's own ports with those of installed faces, and a sentence for each that cannot be had."""
-    found, refused = own, []
+    ports, refused = own, []
     for name in sorted(plugins.installed("ports")):
         try:
-            found = _with(found, name)
+            ports = _with(ports, name)
         except PluginError as err:
             refused.append(str(err))
-    return found, tuple(refused)
+    return ports, tuple(refused)
 
 
 def _with(ports: FacePorts, name: str) -> FacePorts:
@@ -65,16 +65,16 @@ def _with(ports: FacePorts, name: str) -> FacePorts:
 
 def _contradictions(ports: FacePorts, more: FacePorts) -> Iterator[str]:
     """Yield why ports do not go with those that are there: a name stands for one message."""
-    for of, there, new in (
+    for of, known, added in (
         ("input", ports.inputs, more.inputs),
         ("request", ports.requests, more.requests),
         ("reply", ports.replies, more.replies),
     ):
-        for name, message in new.items():
+        for name, message in added.items():
             if not name.isidentifier():
                 yield f"{of} '{name}' is not a name: those are of letters, digits and _"
-            if there.get(name, message) is not message:
-                yield f"{of} '{name}' is {message.__name__}, and there is one already, of {there[name].__name__}"
+            if known.get(name, message) is not message:
+                yield f"{of} '{name}' is {message.__name__}, and there is one already, of {known[name].__name__}"
     yield from _missing(ports, more)
     tables = {row.TABLE: row for row in ports.rows}
     for row in more.rows:

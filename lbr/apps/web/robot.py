@@ -26,33 +26,33 @@ class Snapshot(Struct, frozen=True, kw_only=True):
     """The newest message of each input; `faces` is what each face adds."""
 
     at: float
-    heard: dict[str, Received] = {}
+    inputs: dict[str, Received] = {}
     faces: dict[str, Any] = {}
 
     @property
     def joints(self) -> Received | None:
         """The joints, as they were received last."""
-        return self.heard.get("joints")
+        return self.inputs.get("joints")
 
     @property
     def motions(self) -> Received | None:
         """Return what is played, as it was received last."""
-        return self.heard.get("motions")
+        return self.inputs.get("motions")
 
     @property
     def drive(self) -> Received | None:
         """The base, as it was received last."""
-        return self.heard.get("drive")
+        return self.inputs.get("drive")
 
     @property
     def ranges(self) -> Received | None:
         """The range sensors, as they were received last."""
-        return self.heard.get("ranges")
+        return self.inputs.get("ranges")
 
     @property
     def battery(self) -> Received | None:
         """The battery, as it was received last."""
-        return self.heard.get("battery")
+        return self.inputs.get("battery")
 
     @property
     def is_latched(self) -> bool:

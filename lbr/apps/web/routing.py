@@ -86,11 +86,11 @@ def decoded(body: bytes, kind: object) -> Any:
 def plain(err: Exception) -> str:
     """Return what is wrong with some data, the place first."""
     text = in_words(str(err)).replace("$(?!\\\\n)", "$")
-    found = _PLACE.search(text)
-    if found is None:
+    place = _PLACE.search(text)
+    if place is None:
         return text
-    said = text[: found.start()].replace("`", "'")
-    return f"{found[1]}: {said}" if found[1] else said
+    said = text[: place.start()].replace("`", "'")
+    return f"{place[1]}: {said}" if place[1] else said
 
 
 def _decoded(text: str) -> str:

@@ -45,10 +45,10 @@ class States:
 
     def state(self, snapshot: Snapshot) -> msgspec.Struct:
         """Return a snapshot as a message."""
-        heard = snapshot.heard
+        inputs = snapshot.inputs
         return State(
             robot=self._robot,
-            age_s={name: round(last.age_s(snapshot.at), 3) for name, last in heard.items()},
+            age_s={name: round(last.age_s(snapshot.at), 3) for name, last in inputs.items()},
             faces=snapshot.faces,
-            **{name: last.message for name, last in heard.items()},
+            **{name: last.message for name, last in inputs.items()},
         )

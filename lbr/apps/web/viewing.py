@@ -1,29 +1,113 @@
 """WebSockets of those who look at the robot: who may, how many at once, and how each begins."""
 
+import asyncio
 from abc import abstractmethod
+from collections.abc import Mapping
 from contextlib import suppress
-from typing import Generic, TypeVar
 
 from starlette.routing import BaseRoute, Match
-from starlette.types import Receive, Scope, Send
+from starlette.types import Message, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from lbr.apps.http import names
 from lbr.apps.http.connection import connection_of
+from lbr.apps.http.rates import Bucket
 from lbr.apps.http.turns import Turns
 from lbr.apps.web import routing
 from lbr.apps.web.application import Gate
 from lbr.apps.web.face import Client, Refused, refuse_without
+from lbr.apps.web.guards import headers_of
 from lbr.apps.web.routing import Path
 
-W = TypeVar("W")
 TOKEN_PROTOCOL = "bearer."  # noqa: S105 - browsers' scripts cannot set headers of a WebSocket
 MOST_VIEWERS, MOST_OF_ONE = 16, 8
 STALLED_S = 5.0
 STALLED, TALKS = 1013, 1008
 
 
-class Viewing(BaseRoute, Generic[W]):
+class Viewer:
+    """The far end of a WebSocket. A kind of viewer makes its frames, and may read its messages.
+
+    `period_s`: the time from frame to frame. More than `messages_hz` messages a second end it; `too_much` is why.
+    """
+
+    messages_hz, messages_at_once = 20.0, 20.0
+    too_much = "nothing is to be said here"
+
+    def __init__(self, period_s: float) -> None:
+        self.period_s = period_s
+        self._loop = asyncio.get_running_loop()
+        self._woken = asyncio.Event()
+        self._rate = Bucket(self.messages_hz, self._loop.time(), self.messages_at_once)
+
+    @abstractmethod
+    def frame(self) -> str:
+        """Return the frame that is due; empty if nothing is new."""
+
+    def receive(self, data: bytes) -> None:
+        """Read one message. By default it means nothing."""
+
+    def expelled(self) -> str:
+        """Return why it has to go; empty if it may stay."""
+        return ""
+
+    def leave(self) -> None:
+        """Let go of all that it has."""
+
+    def wake(self) -> None:
+        """End a rest."""
+        self._woken.set()
+
+    async def rest(self, seconds: float) -> None:
+        """Wait that long, or until it is woken."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(max(seconds, 0.001)):
+                await self._woken.wait()
+        self._woken.clear()
+
+    async def read(self, receive: Receive) -> str:
+        """Read messages until the viewer has gone; return why it has to go, if it does."""
+        while True:
+            message: Message = await receive()
+            if message["type"] == "websocket.disconnect":
+                return ""
+            if not self._rate.take(self._loop.time()):
+                return self.too_much
+            self.receive(message.get("bytes") or (message.get("text") or "").encode("utf-8", "surrogatepass"))
+
+    async def serve(self, socket: WebSocket, receive: Receive) -> None:
+        """Send and read until it is over. A task of its own reads, so that one that is slow can let go."""
+        reading = asyncio.create_task(self.read(receive))
+        reading.add_done_callback(lambda _done: self.wake())
+        try:
+            code, reason = await self._send_frames(socket, reading)
+        finally:
+            self.leave()
+            reading.cancel()
+            with suppress(asyncio.CancelledError):
+                await reading
+        if code:
+            async with asyncio.timeout(STALLED_S):
+                await socket.close(code, reason[:120])
+
+    async def _send_frames(self, socket: WebSocket, reading: "asyncio.Task[str]") -> tuple[int, str]:
+        """Send until the viewer goes (0), reads nothing, or has to go; return the code and the reason."""
+        due = self._loop.time()
+        while not reading.done():
+            if reason := self.expelled():
+                return TALKS, reason
+            if frame := self.frame():
+                try:
+                    async with asyncio.timeout(STALLED_S):
+                        await socket.send_text(frame)
+                except TimeoutError:
+                    return STALLED, f"nothing was read for {STALLED_S:g} s"
+            due = max(self._loop.time(), due + self.period_s)
+            await self.rest(due - self._loop.time())
+        return (TALKS, reason) if (reason := reading.result()) else (0, "")
+
+
+class Viewing(BaseRoute):
     """The open WebSockets at a path; for the server's thread."""
 
     def __init__(self, path: Path, protocol: str, gate: Gate, viewers: Turns) -> None:
@@ -39,27 +123,27 @@ class Viewing(BaseRoute, Generic[W]):
 
     async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve one WebSocket; raise Refused."""
-        client, wanted = await self.entry(scope)
+        headers = headers_of(scope)
+        self._gate.refuse_strangers(scope, headers)
+        client = await self.client(scope, headers)
+        refuse_without(client, "view")
+        if full := self._viewers.why_not(asker(client)):
+            raise Refused(503, f"{full} are looking already", {"Retry-After": "10"}, "busy")
+        viewer = self.viewer(scope, client)
         socket = WebSocket(scope, receive, send)
-        with self._viewers.turn(who(client)), suppress(WebSocketDisconnect, OSError):
+        with self._viewers.turn(asker(client)), suppress(WebSocketDisconnect, OSError):
             await socket.accept(self._protocol if self._protocol in scope.get("subprotocols", ()) else None)
             if (connection := connection_of(scope)) is not None:
                 connection.mark("watching")
-            await self.serve(socket, receive, client, wanted)
+            await viewer.serve(socket, receive)
+
+    async def client(self, scope: Scope, headers: Mapping[str, str]) -> Client:
+        """Return the client; raise Refused."""
+        return await self._gate.client(scope, headers, shown_token(scope))
 
     @abstractmethod
-    async def entry(self, scope: Scope) -> tuple[Client, W]:
-        """Return the client, and its wish; raise Refused."""
-
-    @abstractmethod
-    async def serve(self, socket: WebSocket, receive: Receive, client: Client, wanted: W) -> None:
-        """Serve a socket that was accepted, until it is over."""
-
-    def refuse_viewer(self, client: Client) -> None:
-        """Raise Refused for a client that may not look, and while there are too many."""
-        refuse_without(client, "view")
-        if full := self._viewers.why_not(who(client)):
-            raise Refused(503, f"{full} are looking already", {"Retry-After": "10"}, "busy")
+    def viewer(self, scope: Scope, client: Client) -> Viewer:
+        """Return what serves a client; raise Refused."""
 
 
 def shown_token(scope: Scope) -> str:
@@ -68,6 +152,6 @@ def shown_token(scope: Scope) -> str:
     return next((one.removeprefix(TOKEN_PROTOCOL) for one in offered if one.startswith(TOKEN_PROTOCOL)), "")
 
 
-def who(client: Client) -> str:
+def asker(client: Client) -> str:
     """Return whose viewers are counted together."""
     return f"token {client.name}" if client.name else names.peer_name(client.address)

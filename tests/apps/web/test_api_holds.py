@@ -86,7 +86,7 @@ def test_a_page_that_goes_on_saying_so_goes_on_moving(bench):
 def test_a_silent_page_is_released_within_a_round_of_its_time(bench):
     hand = bench.hand()
     bench.want(hand, 1)
-    said = hand.said.at
+    said = hand.wish.at
     bench.run(1.0)
     ((at, _, stop),) = bench.lender.halts
     assert at - said <= SILENT_S + 2 * ROUND_S
@@ -133,7 +133,7 @@ def test_a_hand_that_resumes_does_not_go_on_with_what_another_has_stopped_meanwh
 def test_nothing_is_renewed_for_a_silent_page(bench):
     hand = bench.hand()
     bench.want(hand, 1)
-    said = hand.said.at
+    said = hand.wish.at
     bench.run(2.0)
     assert max(at for at, _, _ in bench.lender.moves) <= said + SILENT_S
 
@@ -195,7 +195,7 @@ def test_a_page_that_is_gone_is_released_at_once_and_forgotten(bench):
     hand = bench.hand()
     bench.want(hand, 1)
     at = bench.now
-    hand.release(gone=True)
+    hand.release(for_good=True)
     bench.run(ROUND_S)
     assert [(halted, stop["lost"]) for halted, _, stop in bench.lender.halts] == [(at, True)]
     assert not bench.holds._hands
@@ -333,7 +333,7 @@ def test_a_motion_that_ends_by_itself_outlasts_a_page_that_draws_slowly(bench):
 def test_it_is_released_when_the_page_stays_silent(bench):
     hand = bench.hand()
     bench.want(hand, 1, to="motions/play")
-    said = hand.said.at
+    said = hand.wish.at
     bench.run(BOUNDED_S + 1.0)
     ((at, _, stop),) = bench.lender.halts
     assert SILENT_S < at - said <= BOUNDED_S + 2 * ROUND_S
@@ -357,7 +357,7 @@ def test_a_link_with_a_gap_each_second_leaves_bounded_goals_alone_and_stops_a_st
     for n in range(10):
         bench.want(stick, n)  # a page that is back wants it anew
         bench.run(1.0 - gap_s, (stick, n))
-        said = stick.said.at
+        said = stick.wish.at
         bench.run(gap_s)
         assert not stops or bench.lender.halts[-1][0] - said <= SILENT_S + 2 * ROUND_S
     assert len(bench.lender.halts) - before == stops
@@ -369,7 +369,7 @@ def test_it_ends_at_once_with_its_socket_or_by_its_pages_word(bench, gone):
     bench.want(hand, 1, to="motions/play")
     bench.run(1.0)
     at = bench.now
-    hand.release(gone=gone)
+    hand.release(for_good=gone)
     bench.run(ROUND_S)
     assert [halted for halted, _, _ in bench.lender.halts] == [at]
 
@@ -385,7 +385,7 @@ def test_it_begins_by_a_word_that_is_new_and_driving_after_it_is_kept_no_longer(
     bench.want(hand, 2, to="motions/play")
     assert bench.lender.moving
     bench.want(hand, 3)
-    said = hand.said.at
+    said = hand.wish.at
     bench.run(1.0)
     assert bench.lender.halts[-1][0] - said <= SILENT_S + 2 * ROUND_S
 

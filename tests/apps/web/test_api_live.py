@@ -14,7 +14,6 @@ from websockets.sync.client import connect
 
 from lbr.apps.http import serving
 from lbr.apps.web import viewing
-from lbr.apps.web.api import live
 from lbr.apps.web.api.link_age import FULL_S
 from lbr.apps.web.page import files
 from lbr.messages.leases import CommandReply
@@ -315,7 +314,7 @@ def test_a_message_that_is_too_large_closes_its_socket(served):
 
 
 def test_who_reads_nothing_loses_its_hand_all_the_same_and_is_cut(served, monkeypatch):
-    monkeypatch.setattr(live, "STALLED_S", 0.5)
+    monkeypatch.setattr(viewing, "STALLED_S", 0.5)
     with connect(f"ws://127.0.0.1:{served.port}/api/live", max_queue=1, close_timeout=0.1) as slow:
         slow.send(json.dumps({"hear": ["light/state"], "rate_hz": 50}))
         slow.send(json.dumps({"hold": FORWARD}))

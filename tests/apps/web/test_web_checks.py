@@ -49,7 +49,7 @@ def test_a_free_port_says_who_reaches_it(monkeypatch, wording):
 
 
 def test_an_address_that_this_machine_has_not_is_named(monkeypatch):
-    assert "cannot be opened" in judged(0, monkeypatch, host="203.0.113.1").text
+    assert "cannot be used" in judged(0, monkeypatch, host="203.0.113.1").text
 
 
 def test_an_adapter_that_holds_answers_back_is_a_hint_with_what_to_type(tmp_path, monkeypatch):
@@ -74,4 +74,4 @@ def test_a_port_that_is_taken_by_ipv6_alone_is_named(monkeypatch):
     with socket.create_server(("::1", 0), family=socket.AF_INET6) as other:
         port = other.getsockname()[1]
         found = judged(port, monkeypatch)
-    assert (found.level, found.text.partition(" is ")[0]) == ("hint", f"port {port} at ::1")
+    assert (found.level, found.text.partition(" cannot ")[0]) == ("hint", f"port {port} at ::1")

@@ -398,7 +398,7 @@ def test_edited_rows_are_the_robots_at_once(served):
 
 
 def test_the_address_is_told_honestly(served):
-    assert " reaches http://127.0.0.1" in served.web._place.told()
+    assert " reaches http://127.0.0.1" in served.web._place.text()
     assert "&#x27;phone&#x27;" in served.ask("GET", "/qr").body.decode()
     assert served.ask("GET", "/qr.svg").status == 404
 
@@ -515,8 +515,8 @@ OPEN = WebSettings(host="0.0.0.0", port=50000, clear_text=True)
 
 
 def test_an_address_is_shown_as_a_code_that_a_terminal_keeps_as_it_is():
-    place = AdvertisedAddress(OPEN, 50000, here=lambda: ("192.168.1.5", "10.0.0.2", "fd00::2"))
-    told = place.told()
+    place = AdvertisedAddress(OPEN, 50000, own_addresses=lambda: ("192.168.1.5", "10.0.0.2", "fd00::2"))
+    told = place.text()
     assert place.url == "http://192.168.1.5:50000/"
     assert "Also at http://10.0.0.2:50000/" in told
     assert "need a token" in told
@@ -528,11 +528,11 @@ def test_an_address_is_shown_as_a_code_that_a_terminal_keeps_as_it_is():
 
 def test_an_address_follows_the_network():
     here: list[str] = []
-    place = AdvertisedAddress(OPEN, 50000, here=lambda: tuple(here))
-    assert "in no network now" in place.told()
+    place = AdvertisedAddress(OPEN, 50000, own_addresses=lambda: tuple(here))
+    assert "in no network now" in place.text()
     here.append("192.168.1.5")
     assert place.look() == ("192.168.1.5",)
-    assert "192.168.1.5" in place.told()
+    assert "192.168.1.5" in place.text()
 
 
 @pytest.mark.parametrize(("files", "host"), [((), "192.168.1.5"), (("web.crt", "web.key"), "robot.example.org")])
@@ -541,14 +541,14 @@ def test_a_code_has_the_name_that_the_owners_certificate_is_for(files, host, tmp
     for name in files:
         home.write_private(home.directory("credentials") / name, b"PEM")
     settings = replace(OPEN, clear_text=False, names=("robot.example.org",))
-    place = AdvertisedAddress(settings, 50000, here=lambda: ("192.168.1.5",))
+    place = AdvertisedAddress(settings, 50000, own_addresses=lambda: ("192.168.1.5",))
     assert place.url == f"https://{host}:50000/"
     assert place.urls == ("https://192.168.1.5:50000/",)
 
 
 def test_who_needs_no_token_is_said():
-    place = AdvertisedAddress(replace(OPEN, trusted=("192.168.1.0/24",)), 1, here=lambda: ("192.168.1.5",))
-    assert "Clients in 192.168.1.0/24 need no token" in place.told()
+    place = AdvertisedAddress(replace(OPEN, trusted=("192.168.1.0/24",)), 1, own_addresses=lambda: ("192.168.1.5",))
+    assert "Clients in 192.168.1.0/24 need no token" in place.text()
     assert url("fd00::2", 1, tls=True) == "https://[fd00::2]:1/"
 
 
@@ -568,7 +568,7 @@ def test_who_needs_no_token_is_said():
     ],
 )
 def test_where_other_machines_reach_it_it_speaks_tls_unless_the_row_says_clear_text(settings_, tls):
-    assert AdvertisedAddress(WebSettings(**settings_), 50000, here=tuple).tls is tls
+    assert AdvertisedAddress(WebSettings(**settings_), 50000, own_addresses=tuple).tls is tls
 
 
 def test_a_row_says_tls_or_clear_text():

@@ -146,7 +146,7 @@ class Bench:
         """Have the robot be heard."""
         self.robot.snapshot = Snapshot(
             at=self.ctx.now,
-            heard={
+            inputs={
                 name: Received(message, None, self.ctx.now, name)
                 for name, message in (("joints", joints), ("motions", motions))
                 if message

@@ -58,7 +58,7 @@ class Catalog:
         motions: Iterable[Motion],
         buttons: tuple[Button, ...],
     ) -> "Described":
-        """Return the description of the robot for a client with a role."""
+        """Return what the robot is, for a role."""
         robot, statuses = self.robot, {status.name: status for status in phases}
         return Described(
             robot=robot.robot,
@@ -84,7 +84,7 @@ class Catalog:
 
 
 class DescribedCapability(Struct, frozen=True, kw_only=True):
-    """A capability that runs, with its phase; the rest is as `CapabilityDescription` has it."""
+    """A part that runs, and its phase."""
 
     name: str
     kind: str
@@ -127,7 +127,7 @@ class DescribedCamera(Struct, frozen=True, kw_only=True):
 
 
 class Described(Struct, frozen=True, kw_only=True):
-    """The description of the robot, and the rights of the asker."""
+    """What the robot is, and what you may do."""
 
     robot: str
     simulated: bool

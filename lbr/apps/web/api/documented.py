@@ -44,19 +44,21 @@ class Components:
     def add(self, schema: Schema) -> Schema:
         """Return a schema whose definitions are components of the document now."""
         names: dict[str, str] = {}
-        definitions = {name: one for name, one in schema.get("$defs", {}).items() if isinstance(one, dict)}
-        for name, one in definitions.items():
-            names[name] = self._free(name, _moved(one, {}))
-        for name, one in definitions.items():
-            self.schemas[names[name]] = _moved(one, names)
+        definitions = {
+            name: definition for name, definition in schema.get("$defs", {}).items() if isinstance(definition, dict)
+        }
+        for name, definition in definitions.items():
+            names[name] = self._free(name, _moved(definition, {}))
+        for name, definition in definitions.items():
+            self.schemas[names[name]] = _moved(definition, names)
         return dict(_moved({key: value for key, value in schema.items() if key != "$defs"}, names))
 
     def _free(self, name: str, schema: Schema) -> str:
-        found, number = name, 1
-        while found in self.schemas and self.schemas[found] != schema:
+        candidate, number = name, 1
+        while candidate in self.schemas and self.schemas[candidate] != schema:
             number += 1
-            found = f"{name}_{number}"
-        return found
+            candidate = f"{name}_{number}"
+        return candidate
 
 
 def _moved(schema: object, names: Mapping[str, str]) -> Any:
@@ -76,27 +78,27 @@ def _reference(to: object, names: Mapping[str, str]) -> Any:
 
 
 def _paths(
-    one: CapabilityDescription, catalog: Catalog, components: Components, reply: Schema, refusal: Mapping[str, object]
+    part: CapabilityDescription, catalog: Catalog, components: Components, reply: Schema, refusal: Mapping[str, object]
 ) -> Iterator[tuple[str, dict[str, Any]]]:
-    for name, schema in one.outputs.items():
-        if f"{one.name}/{name}" in catalog.streams:
-            yield f"/api/{one.name}/{name}", {"get": _stream(one, name, components.add(schema), refusal)}
-    for name, command in one.commands.items():
+    for name, schema in part.outputs.items():
+        if f"{part.name}/{name}" in catalog.streams:
+            yield f"/api/{part.name}/{name}", {"get": _stream(part, name, components.add(schema), refusal)}
+    for name, command in part.commands.items():
         body = components.add(command.schema)
-        yield f"/api/{one.name}/{name}", {"post": _command(one, name, command, body, reply, refusal)}
+        yield f"/api/{part.name}/{name}", {"post": _command(part, name, command, body, reply, refusal)}
 
 
-def _stream(one: CapabilityDescription, name: str, message: Schema, refusal: Mapping[str, object]) -> dict[str, Any]:
+def _stream(part: CapabilityDescription, name: str, message: Schema, refusal: Mapping[str, object]) -> dict[str, Any]:
     newest = {
         "type": "object",
         "properties": {"age_s": {"type": "number", "minimum": 0}, "message": message},
         "required": ["age_s", "message"],
     }
     return {
-        "operationId": f"get_api_{one.name}_{name}",
-        "summary": f"The newest of {one.name}/{name}",
-        "description": one.summary,
-        "tags": [one.name],
+        "operationId": f"get_api_{part.name}_{name}",
+        "summary": f"The newest of {part.name}/{name}",
+        "description": part.summary,
+        "tags": [part.name],
         "x-role": "view",
         "security": [{}, {"token": []}],
         "responses": {
@@ -107,7 +109,7 @@ def _stream(one: CapabilityDescription, name: str, message: Schema, refusal: Map
 
 
 def _command(
-    one: CapabilityDescription,
+    part: CapabilityDescription,
     name: str,
     command: CommandDescription,
     body: Schema,
@@ -120,10 +122,10 @@ def _command(
     statuses = {**openapi.ALWAYS, **openapi.WITH_ROLE, **openapi.WITH_BODY}
     refused = {400: statuses[400], 409: "The robot refuses it now."}
     return {
-        "operationId": f"post_api_{one.name}_{name}",
-        "summary": f"Ask {one.name} for {name}",
-        "description": f"{one.summary}.{held}",
-        "tags": [one.name],
+        "operationId": f"post_api_{part.name}_{name}",
+        "summary": f"Ask {part.name} for {name}",
+        "description": f"{part.summary}.{held}",
+        "tags": [part.name],
         "x-role": command.role,
         "security": [{}, {"token": []}],
         "requestBody": {"required": False, "content": {JSON: {"schema": body}}},

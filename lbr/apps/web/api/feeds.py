@@ -73,32 +73,32 @@ class Feeds:
 
     def newest(self, name: str) -> Sample | None:
         """Return the newest message of a stream that is wanted, or None before the first."""
-        heard = self._heard.get(name)
-        if heard is None:
+        feed = self._heard.get(name)
+        if feed is None:
             return None
-        self._look(heard)
-        return heard.newest
+        self._look(feed)
+        return feed.newest
 
     def events(self, after: int) -> tuple[Sample, ...]:
         """Return the newest events of a number above `after`, oldest first."""
-        heard = self._heard.get(EVENT)
-        if heard is None:
+        feed = self._heard.get(EVENT)
+        if feed is None:
             return ()
-        self._look(heard)
-        new = heard.count - after
-        return tuple(islice(heard.recent, max(0, len(heard.recent) - new), None)) if new > 0 else ()
+        self._look(feed)
+        count = feed.count - after
+        return tuple(islice(feed.recent, max(0, len(feed.recent) - count), None)) if count > 0 else ()
 
     @property
     def last_event(self) -> int:
         """Return the number of the newest event."""
-        heard = self._heard.get(EVENT)
-        return heard.count if heard is not None else 0
+        feed = self._heard.get(EVENT)
+        return feed.count if feed is not None else 0
 
     def close(self) -> None:
         """Hear nothing any more."""
         self._wanted.clear()
-        for heard in self._heard.values():
-            heard.feed.close()
+        for feed in self._heard.values():
+            feed.feed.close()
         self._heard.clear()
 
     def tidy(self) -> None:
@@ -106,13 +106,13 @@ class Feeds:
         now, wanted = self._clock(), frozenset().union(*self._wanted.values())
         for name in wanted - self._heard.keys():
             self._heard[name] = self._begun(name)
-        for name, heard in list(self._heard.items()):
+        for name, feed in list(self._heard.items()):
             if name in wanted:
-                heard.unwanted_s = None
-            elif heard.unwanted_s is None:
-                heard.unwanted_s = now
-            elif now - heard.unwanted_s > KEPT_S:
-                heard.feed.close()
+                feed.unwanted_s = None
+            elif feed.unwanted_s is None:
+                feed.unwanted_s = now
+            elif now - feed.unwanted_s > KEPT_S:
+                feed.feed.close()
                 del self._heard[name]
 
     def _begun(self, name: str) -> _Heard:
@@ -124,19 +124,19 @@ class Feeds:
             )
         return _Heard(feed, first, recent=deque(maxlen=MOST_EVENTS if name == EVENT else 1))
 
-    def _look(self, heard: _Heard) -> None:
+    def _look(self, feed: _Heard) -> None:
         now = self._clock()
-        if now - heard.looked_s < LOOK_S:
+        if now - feed.looked_s < LOOK_S:
             return
-        heard.looked_s = now
-        came = heard.feed.take()
-        if heard.first is not None and (heard.first.replies or heard.first.done):
-            came = [*heard.first.replies[:1], *came] if heard.newest is None else came
-            heard.first = None
+        feed.looked_s = now
+        came = feed.feed.take()
+        if feed.first is not None and (feed.first.replies or feed.first.done):
+            came = [*feed.first.replies[:1], *came] if feed.newest is None else came
+            feed.first = None
         for raw in came:
-            if (sample := sample_of(raw, heard.count + 1)) is not None:
-                heard.count, heard.newest = sample.number, sample
-                heard.recent.append(sample)
+            if (sample := sample_of(raw, feed.count + 1)) is not None:
+                feed.count, feed.newest = sample.number, sample
+                feed.recent.append(sample)
 
 
 def sample_of(raw: RawMessage, number: int = 0) -> Sample | None:

@@ -2,7 +2,7 @@
 longer.
 
     socket (server's thread)               loop
-      hold, keep ──► Hand.said ──────────►  Holds.step: begin · keep · release      LeaseClient ══ bus
+      hold, keep ──► Hand.wish ──────────►  Holds.step: begin · keep · release      LeaseClient ══ bus
       the page is silent, gone, rests ──►   release within a round
       Hand.news ◄───────────────────────    holds, refused, ended: why, and who has it
 
@@ -60,7 +60,7 @@ class HoldNews(Struct, frozen=True, kw_only=True):
     holder: str = ""
 
 
-class Said(Struct, frozen=True, kw_only=True):
+class Wish(Struct, frozen=True, kw_only=True):
     """The last word of a page: what it wants, since when, and when it said so; `rests` counts how often it released.
 
     `speed` is the share that the age of its messages leaves.
@@ -71,11 +71,11 @@ class Said(Struct, frozen=True, kw_only=True):
     at: float = nan
     speed: float = 1.0
     rests: int = 0
-    gone: bool = False
+    is_over: bool = False
 
 
 class Hand:
-    """A page's hold on the robot: its socket writes `said`, and the loop everything else.
+    """A page's hold on the robot: its socket writes `wish`, and the loop everything else.
 
     - `may`: returns the reason why this page may not have a motion, or None.
     - `tell`: receives the news.
@@ -98,7 +98,7 @@ class Hand:
         self.resumes = resumes
         self.may = may
         self.tell = tell
-        self.said = Said()
+        self.wish = Wish()
         self.lease: LeaseClient | None = None
         self.wanted: Wanted | None = None
         self.news = HoldNews(n=0, holds=False)
@@ -109,18 +109,18 @@ class Hand:
 
     def hold(self, wanted: Wanted, at: float, speed: float = 1.0) -> None:
         """Want motion, at a share of its speed."""
-        before = self.said.wanted
-        since = self.said.since if before is not None and before.n == wanted.n else at
-        self.said = replace(self.said, wanted=wanted, since=since, at=at, speed=speed)
+        before = self.wish.wanted
+        since = self.wish.since if before is not None and before.n == wanted.n else at
+        self.wish = replace(self.wish, wanted=wanted, since=since, at=at, speed=speed)
 
     def keep(self, n: int, at: float, speed: float = 1.0) -> None:
         """Go on wanting what has that number."""
-        if self.said.wanted is not None and self.said.wanted.n == n:
-            self.said = replace(self.said, at=at, speed=speed)
+        if self.wish.wanted is not None and self.wish.wanted.n == n:
+            self.wish = replace(self.wish, at=at, speed=speed)
 
-    def release(self, *, gone: bool = False) -> None:
-        """Want no motion; `gone`: never again."""
-        self.said = Said(rests=self.said.rests + 1, gone=gone or self.said.gone)
+    def release(self, *, for_good: bool = False) -> None:
+        """Want no motion; `for_good`: never again."""
+        self.wish = Wish(rests=self.wish.rests + 1, is_over=for_good or self.wish.is_over)
 
     def over(self, why: Reason) -> bool:
         """Return whether an end for this reason leaves nothing to go on with."""
@@ -161,10 +161,10 @@ class Holds:
         """Do one round of work for each hand."""
         for hand in tuple(self._hands):
             self._step(hand, self._clock())
-            if hand.said.gone and hand.lease is None:
+            if hand.wish.is_over and hand.lease is None:
                 self._hands.discard(hand)
         for one in tuple(self._leaving):
-            if self._left(*one):
+            if self._is_given_up(*one):
                 self._leaving.remove(one)
 
     def close(self, why: str) -> None:
@@ -174,22 +174,22 @@ class Holds:
         self._hands.clear()
 
     def _step(self, hand: Hand, now: float) -> None:
-        said = hand.said
-        patience_s = self._silent_s(hand, said)
-        fresh = now - said.at <= patience_s  # NaN is not
-        rested = said.rests != hand.rests
-        hand.rests = said.rests
+        wish = hand.wish
+        patience_s = self._silent_s(hand, wish)
+        fresh = now - wish.at <= patience_s  # NaN is not
+        rested = wish.rests != hand.rests
+        hand.rests = wish.rests
         if rested:
             hand.over_n, hand.refused_s = None, nan
         if rested or not fresh:
             hand.ended = None
-        wanted = said.wanted if fresh else None
+        wanted = wish.wanted if fresh else None
         self._follow(hand)
         if hand.lease is not None and (rested or wanted is None or hand.wanted is None or wanted.to != hand.wanted.to):
             self._release(
                 hand,
-                _why(hand.whose, said, patience_s, rested=rested, wanted=wanted),
-                lost=said.gone or (wanted is None and not rested),
+                _why(hand.whose, wish, patience_s, rested=rested, wanted=wanted),
+                lost=wish.is_over or (wanted is None and not rested),
             )
         if wanted is None or wanted.n == hand.over_n:
             return
@@ -198,12 +198,12 @@ class Holds:
         else:
             self._keep(hand, hand.lease, wanted)
 
-    def _silent_s(self, hand: Hand, said: Said) -> float:
+    def _silent_s(self, hand: Hand, wish: Wish) -> float:
         """Return how long its page may say nothing: longer only while it holds what it wants."""
         held = hand.wanted if hand.lease is not None and hand.lease.holds else None
-        if held is None or said.wanted is None or held.n != said.wanted.n:
+        if held is None or wish.wanted is None or held.n != wish.wanted.n:
             return SILENT_S
-        return max(SILENT_S, self._patience_s(said.wanted))
+        return max(SILENT_S, self._patience_s(wish.wanted))
 
     def _follow(self, hand: Hand) -> None:
         """Read what the robot answered, and note the end of a lease."""
@@ -229,14 +229,14 @@ class Holds:
             keys = self._keys(wanted)
             target = LeaseTarget("motion", halt="halt" if "halt" in keys else "")
             with self._bus_of(hand):
-                message = self._slowed(wanted, hand.said.speed)
-                origin = Origin(f"a hand of {hand.source}", hand.said.since)
+                message = self._slowed(wanted, hand.wish.speed)
+                origin = Origin(f"a hand of {hand.source}", hand.wish.since)
                 hand.lease = LeaseClient(self._transport(hand.source, keys, origin), target, message)
 
     def _keep(self, hand: Hand, lease: LeaseClient, wanted: Wanted) -> None:
         hand.wanted = wanted
         with self._bus_of(hand):
-            lease.keep(self._slowed(wanted, hand.said.speed))
+            lease.keep(self._slowed(wanted, hand.wish.speed))
         if hand.lease is not None and lease.holds:
             self._tell(hand, HoldNews(n=wanted.n, holds=True))
 
@@ -257,7 +257,7 @@ class Holds:
             hand, HoldNews(n=_number(hand), holds=False, code="" if own else why.code, reason="" if own else why.text)
         )
 
-    def _left(self, lease: LeaseClient, why: str, lost: bool) -> bool:
+    def _is_given_up(self, lease: LeaseClient, why: str, lost: bool) -> bool:
         """Return whether an unwanted lease never was, or has been given up."""
         try:
             lease.step()
@@ -293,9 +293,9 @@ def _number(hand: Hand) -> int:
     return hand.wanted.n if hand.wanted is not None else 0
 
 
-def _why(whose: str, said: Said, patience_s: float, *, rested: bool, wanted: Wanted | None) -> Reason:
+def _why(whose: str, wish: Wish, patience_s: float, *, rested: bool, wanted: Wanted | None) -> Reason:
     """Return why a lease is given up; it lapses where the page did not say so."""
-    if said.gone:
+    if wish.is_over:
         return Reason("holder_gone", GONE.format(whose))
     if wanted is None and not rested:
         return Reason("lapsed", SILENT.format(whose, patience_s))

@@ -1,20 +1,15 @@
 """`/api/live`: the newest of the streams that a page wants, events, and the motion that it holds; on the server's
-thread.
+thread."""
 
-A task of its own reads the page's messages, so that one that reads slowly can still let go.
-"""
-
-import asyncio
 from collections import deque
+from collections.abc import Mapping
 from contextlib import suppress
 from math import isnan
 
 import msgspec
 from msgspec import UNSET
-from starlette.types import Message, Receive, Scope
-from starlette.websockets import WebSocket
+from starlette.types import Scope
 
-from lbr.apps.http.rates import Bucket
 from lbr.apps.http.turns import Turns
 from lbr.apps.web.api.catalog import EVENT
 from lbr.apps.web.api.feeds import KEPT_S, Feeds
@@ -25,15 +20,12 @@ from lbr.apps.web.api.requests import source_of
 from lbr.apps.web.api.service import NO_BUS, Api
 from lbr.apps.web.application import Gate
 from lbr.apps.web.face import Client, Refused
-from lbr.apps.web.guards import headers_of
 from lbr.apps.web.routing import Path
 from lbr.apps.web.sessions import Sessions
-from lbr.apps.web.viewing import STALLED, STALLED_S, TALKS, Viewing, shown_token
+from lbr.apps.web.viewing import Viewer, Viewing, shown_token
 
 PATH = Path("/api/live")
 PROTOCOL = "lbr.live"
-SAID_HZ, SAID_AT_ONCE = 100.0, 200.0
-"""A page says 25 things a second; a mouse may have it say 60, and a network deliver some seconds at once."""
 MOST_NEWS = 16
 PULSE_S = 0.2
 """A page gets a frame this often at least, for the time that it quotes: older than `OLDEST_S` it would begin
@@ -42,11 +34,10 @@ HELD_PULSE_S = 0.05
 """While its hand is on, the time that it quotes waits no longer for a frame."""
 LINK_S = 0.5
 """A page hears the age of what it drives by this often, and at once when its speed changes."""
-LOOK_S = 1.0
 _encode = msgspec.json.Encoder().encode
 
 
-class Live(Viewing[Feeds]):
+class Live(Viewing):
     """Those of pages. `page` is the build of the page that is served: told first, so that one of another moves
     nothing."""
 
@@ -56,91 +47,47 @@ class Live(Viewing[Feeds]):
         self._page = page
         self._sessions = sessions
 
-    async def entry(self, scope: Scope) -> tuple[Client, Feeds]:
-        """Return the client, and what it may hear; raise Refused."""
-        headers = headers_of(scope)
-        self._gate.refuse_strangers(scope, headers)
-        client = await self._gate.client(scope, headers, shown_token(scope), owner=True)
-        self.refuse_viewer(client)
+    async def client(self, scope: Scope, headers: Mapping[str, str]) -> Client:
+        """Return the client, which may be the robot's owner; raise Refused."""
+        return await self._gate.client(scope, headers, shown_token(scope), owner=True)
+
+    def viewer(self, scope: Scope, client: Client) -> Viewer:
+        """Return the viewer; raise Refused."""
+        del scope
         if self._api.feeds is None:
             raise Refused(503, NO_BUS, code="not_possible")
-        return client, self._api.feeds
-
-    async def serve(self, socket: WebSocket, receive: Receive, client: Client, wanted: Feeds) -> None:
-        """Send frames and hear the page until it is over; what it holds is let go then."""
-        viewer = _Viewer(self._api, wanted, client, self._page)
-        try:
-            await self._serve(viewer, socket, receive)
-        finally:
-            viewer.leave()
-
-    async def _serve(self, viewer: "_Viewer", socket: WebSocket, receive: Receive) -> None:
-        hearing = asyncio.create_task(viewer.hear_out(receive))
-        try:
-            code, why = await self._send_frames(viewer, socket, hearing)
-        finally:
-            viewer.let_go()
-            hearing.cancel()
-            with suppress(asyncio.CancelledError):
-                await hearing
-        if code:
-            async with asyncio.timeout(STALLED_S):
-                await socket.close(code, why[:120])
-
-    async def _send_frames(self, viewer: "_Viewer", socket: WebSocket, hearing: "asyncio.Task[str]") -> tuple[int, str]:
-        loop = asyncio.get_running_loop()
-        hearing.add_done_callback(lambda _done: viewer.wake())
-        due = look = loop.time()
-        while not hearing.done():
-            if loop.time() >= look:
-                look = loop.time() + LOOK_S
-                if viewer.client.session and not self._sessions.knows(viewer.client.session):
-                    return TALKS, "signed out"
-            if frame := viewer.frame():
-                try:
-                    async with asyncio.timeout(STALLED_S):
-                        await socket.send_text(frame)
-                except TimeoutError:
-                    return STALLED, f"nothing was read for {STALLED_S:g} s"
-            due = max(loop.time(), due + viewer.period_s)
-            await viewer.rest(due - loop.time())
-        return (TALKS, why) if (why := hearing.result()) else (0, "")
+        return _PageViewer(self._api, self._api.feeds, client, self._sessions, self._page)
 
 
-class _Viewer:
-    """One socket: what it wants to hear, what it was sent, and its hand."""
+class _PageViewer(Viewer):
+    """A page: its streams, the messages sent to it, and its hand."""
 
-    def __init__(self, api: Api, feeds: Feeds, client: Client, page: str) -> None:
-        self.client = client
-        self.period_s = 1.0 / USUAL_HZ
+    messages_hz, messages_at_once = 100.0, 200.0  # it sends 25 a second, with a mouse 60; a network delivers late
+    too_much = "too much is said here"
+
+    def __init__(self, api: Api, feeds: Feeds, client: Client, sessions: Sessions, page: str) -> None:
+        super().__init__(1.0 / USUAL_HZ)
+        self._client = client
+        self._sessions = sessions
         self._api = api
         self._feeds = feeds
-        self._loop = asyncio.get_running_loop()
         self._asked: tuple[str, ...] = ()
         self._wanted: tuple[str, ...] = ()
         self._known: object = None
         self._sent: dict[str, int] = {}
         self._event = 0
         self._news: deque[bytes] = deque([b'"page":' + _encode(page)] if page else (), maxlen=MOST_NEWS)
-        self._woken = asyncio.Event()
         self._frame_s = 0.0
         self._hand = Hand(source_of(client), api.may(client), self._tell_from_loop)
         self._has_hand = False
         self._age = LinkAge(PULSE_S)
         self._link: LinkNews | None = None
         self._link_s = 0.0
-        self._often = Bucket(SAID_HZ, self._loop.time(), SAID_AT_ONCE)
 
-    async def hear_out(self, receive: Receive) -> str:
-        """Do what the page says until it has gone; return why it is to go, if it is."""
-        while True:
-            message: Message = await receive()
-            if message["type"] == "websocket.disconnect":
-                return ""
-            said = message.get("bytes") or (message.get("text") or "").encode("utf-8", "surrogatepass")
-            if not self._often.take(self._loop.time()):
-                return "too much is said here"
-            self._do(said)
+    def expelled(self) -> str:
+        """Return why the page has to go."""
+        session = self._client.session
+        return "signed out" if session and not self._sessions.knows(session) else ""
 
     def frame(self) -> str:
         """Return the messages that are due; empty if nothing is new."""
@@ -150,7 +97,7 @@ class _Viewer:
         parts = [part for part in (self._streams(now), self._events()) if part]
         if self._news:
             parts.append(self._news.popleft())
-        if not parts and now - self._frame_s < (HELD_PULSE_S if self._hand.said.wanted is not None else PULSE_S):
+        if not parts and now - self._frame_s < (HELD_PULSE_S if self._hand.wish.wanted is not None else PULSE_S):
             return ""
         self._frame_s = now
         return b"".join((b'{"t":%d' % int(now * 1000), *(b"," + part for part in parts), b"}")).decode()
@@ -158,29 +105,21 @@ class _Viewer:
     async def rest(self, seconds: float) -> None:
         """Wait that long, or until there is news."""
         if not self._news:
-            with suppress(TimeoutError):
-                async with asyncio.timeout(max(seconds, 0.001)):
-                    await self._woken.wait()
+            await super().rest(seconds)
         self._woken.clear()
 
-    def wake(self) -> None:
-        """Let it rest no longer."""
-        self._woken.set()
-
-    def let_go(self) -> None:
-        """Take the hand off for good."""
-        self._hand.release(gone=True)
+    def leave(self) -> None:
+        """Take the hand off for good, and want nothing any more."""
+        self._hand.release(for_good=True)
         if self._has_hand:
             self._api.wake()
-
-    def leave(self) -> None:
-        """Want nothing any more."""
         self._feeds.leave(self)
         self._loop.call_later(KEPT_S + 0.1, self._feeds.tidy)
 
-    def _do(self, said: bytes) -> None:
+    def receive(self, data: bytes) -> None:
+        """Do what the page says."""
         try:
-            message = parse(said)
+            message = parse(data)
         except Rubbish as err:
             self._hand.release()  # what cannot be read may have been that
             self._api.wake()
@@ -241,21 +180,21 @@ class _Viewer:
 
     def _streams(self, now: float) -> bytes:
         """Return the streams that have said something since they were sent last, the newest of each only."""
-        found: list[bytes] = []
+        parts: list[bytes] = []
         for name in self._wanted:
             sample = self._feeds.newest(name) if name != EVENT else None
             if sample is not None and sample.number != self._sent.get(name):
                 self._sent[name] = sample.number
                 age_ms = max(0, int((now - sample.sent_s) * 1000))
-                found.append(b'"%s":{"age_ms":%d,"message":%s}' % (name.encode(), age_ms, sample.text))
-        return b'"streams":{%s}' % b",".join(found) if found else b""
+                parts.append(b'"%s":{"age_ms":%d,"message":%s}' % (name.encode(), age_ms, sample.text))
+        return b'"streams":{%s}' % b",".join(parts) if parts else b""
 
     def _events(self) -> bytes:
-        new = self._feeds.events(self._event) if EVENT in self._wanted else ()
-        if not new:
+        events = self._feeds.events(self._event) if EVENT in self._wanted else ()
+        if not events:
             return b""
-        self._event = new[-1].number
-        return b'"events":[%s]' % b",".join(one.text for one in new)
+        self._event = events[-1].number
+        return b'"events":[%s]' % b",".join(one.text for one in events)
 
     def _tell(self, news: bytes) -> None:
         self._news.append(news)

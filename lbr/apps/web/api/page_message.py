@@ -60,17 +60,17 @@ _decoder = msgspec.json.Decoder(PageMessage)
 _OF_THE_SERVER = ("lease", "ttl_s")
 
 
-def parse(said: bytes) -> PageMessage:
+def parse(data: bytes) -> PageMessage:
     """Return what a page says; raise Rubbish. Of held motion, lease and lifetime are the server's own business."""
-    if len(said) > LARGEST:
+    if len(data) > LARGEST:
         raise Rubbish(f"a message may have {LARGEST} bytes")
     try:
-        found = _decoder.decode(keyed_once(said))
-        if found.hold is UNSET:
-            return found
-        message = {name: value for name, value in found.hold.message.items() if name not in _OF_THE_SERVER}
+        parsed = _decoder.decode(keyed_once(data))
+        if parsed.hold is UNSET:
+            return parsed
+        message = {name: value for name, value in parsed.hold.message.items() if name not in _OF_THE_SERVER}
         msgspec.json.encode(message)
-        return msgspec.structs.replace(found, hold=msgspec.structs.replace(found.hold, message=message))
+        return msgspec.structs.replace(parsed, hold=msgspec.structs.replace(parsed.hold, message=message))
     except RecursionError:
         raise Rubbish("the JSON is nested too deeply") from None
     except (msgspec.MsgspecError, ValueError, OverflowError) as err:  # a UnicodeDecodeError is a ValueError

@@ -83,10 +83,10 @@ class Requests:
             self._api.stopped(request.came_s, capability)
         if RANKS[command.role] > RANKS["view"] and not command.leased:
             self._api.tell("command", f"{source} asks {name}: {payload[:TOLD].decode(errors='replace')}")
-        said = self._api.said(request.came_s, capability if command.leased or asks == STOP else "")
-        if said.sent_s is not None and RANKS[command.role] > RANKS["view"] and not command.leased:
+        waiting = self._api.waiting(request.came_s, capability if command.leased or asks == STOP else "")
+        if waiting.sent_s is not None and RANKS[command.role] > RANKS["view"] and not command.leased:
             raise Refused(409, OVERTAKEN, code="stopped")
-        question = self._api.query(name, payload, source=source, timeout_s=COMMAND_S, said=said)
+        question = self._api.query(name, payload, source=source, timeout_s=COMMAND_S, waiting=waiting)
         await until(lambda: question.done or bool(question.replies))
         if not question.replies:
             raise Refused(503, f"'{name}' does not answer", {"Retry-After": "1"})
@@ -102,8 +102,8 @@ class Requests:
         line = body.line
         if stops := is_stop(line):
             self._api.stopped(request.came_s)
-        said = AT_ONCE if stops else self._api.said(request.came_s)
-        question = self._api.line(line, role=role, source=source_of(request.client), timeout_s=LINE_S, said=said)
+        said = AT_ONCE if stops else self._api.waiting(request.came_s)
+        question = self._api.line(line, role=role, source=source_of(request.client), timeout_s=LINE_S, waiting=said)
         answer = await answered(question, LINE_S)
         return json(answer, 200, Reason_Code=_code(answer.get("reason_code", "")))
 

@@ -14,7 +14,7 @@ from lbr.apps.web.api.link_age import slowed
 from lbr.apps.web.api.page_message import Wanted
 from lbr.apps.web.api.patience import silent_s
 from lbr.apps.web.api.robot_bus import RobotBus
-from lbr.apps.web.api.stops import AT_ONCE, Said, Stops
+from lbr.apps.web.api.stops import AT_ONCE, Stops, Waiting
 from lbr.apps.web.face import Client, Refused
 from lbr.apps.web.robot import Robot
 from lbr.bus import keys
@@ -95,7 +95,7 @@ class Api:
         return self.known
 
     def described(self, role: Role | None) -> Described:
-        """Return the description of the robot for a client with a role."""
+        """Return what the robot is, for a role."""
         robot = self._robot
         return self.catalog().described(
             role=role,
@@ -106,23 +106,25 @@ class Api:
             buttons=robot.buttons,
         )
 
-    def query(self, name: str, payload: bytes, *, source: str, timeout_s: float, said: Said = AT_ONCE) -> PendingQuery:
+    def query(
+        self, name: str, payload: bytes, *, source: str, timeout_s: float, waiting: Waiting = AT_ONCE
+    ) -> PendingQuery:
         """Ask on a key below the robot's name."""
-        return self._ask(self._key(name), payload, source=source, timeout_s=timeout_s, said=said)
+        return self._ask(self._key(name), payload, source=source, timeout_s=timeout_s, waiting=waiting)
 
-    def line(self, line: str, *, role: Role, source: str, timeout_s: float, said: Said = AT_ONCE) -> PendingQuery:
+    def line(self, line: str, *, role: Role, source: str, timeout_s: float, waiting: Waiting = AT_ONCE) -> PendingQuery:
         """Say a console line with the rights of a role."""
         key = keys.console_of_pages(self._robot.name, role)
-        return self._ask(key, line.encode(errors="replace"), source=source, timeout_s=timeout_s, said=said)
+        return self._ask(key, line.encode(errors="replace"), source=source, timeout_s=timeout_s, waiting=waiting)
 
     def stopped(self, came_s: float, capability: str = "") -> None:
         """Take note of a stop of a capability, or of all, that came here at `came_s`."""
-        self._stops.heard(min(came_s, self.now()), capability)
+        self._stops.note(min(came_s, self.now()), capability)
 
-    def said(self, came_s: float, capability: str = "") -> Said:
+    def waiting(self, came_s: float, capability: str = "") -> Waiting:
         """Return how long what came here then has waited, and its date if a stop came after it."""
         overtaken = self._stops.overtook(came_s, capability)
-        return Said(waited_s=max(0.0, self.now() - came_s), sent_s=came_s if overtaken else None)
+        return Waiting(waited_s=max(0.0, self.now() - came_s), sent_s=came_s if overtaken else None)
 
     def manage(self, payload: bytes, *, source: str, timeout_s: float) -> PendingQuery:
         """Ask the executive for what it knows of rows, tokens and logs."""
@@ -178,7 +180,9 @@ class Api:
         system = {STATUS: keys.status, EVENT: keys.event}
         return system[name](self._robot.name) if name in system else f"{self._robot.name}/{name}"
 
-    def _ask(self, key: str, payload: bytes, *, source: str, timeout_s: float, said: Said = AT_ONCE) -> PendingQuery:
+    def _ask(
+        self, key: str, payload: bytes, *, source: str, timeout_s: float, waiting: Waiting = AT_ONCE
+    ) -> PendingQuery:
         if self._bus is None:
             raise Refused(503, NO_BUS, code="not_possible")
         try:
@@ -187,8 +191,8 @@ class Api:
                 payload,
                 source=source,
                 timeout_s=timeout_s,
-                waited_s=said.waited_s,
-                sent_s=said.sent_s,
+                waited_s=waiting.waited_s,
+                sent_s=waiting.sent_s,
                 wake=self._robot.ctx.wake,
             )
         except BusError as err:
@@ -211,12 +215,12 @@ class Api:
                 )
 
     def _take(self, asked: PendingQuery) -> None:
-        told = _read(_reports, asked.replies[0].payload) if asked.replies else None
-        if told is None:
+        report = _read(_reports, asked.replies[0].payload) if asked.replies else None
+        if report is None:
             return
-        self.known = Catalog(told.data)
+        self.known = Catalog(report.data)
         if self._status is not None:
-            self._described = self._status.pid, told.data.revision
+            self._described = self._status.pid, report.data.revision
 
 
 def _read(decoder: Decoder[T], payload: bytes) -> T | None:

@@ -14,14 +14,14 @@ ALL = ""
 _STOP = re.compile(r"/*(s|stop|estop)(/.*)?")
 
 
-class Said(Struct, frozen=True, kw_only=True):
+class Waiting(Struct, frozen=True, kw_only=True):
     """For how long a request has waited here, and when it was said, if that is not now."""
 
     waited_s: float = 0.0
     sent_s: float | None = None
 
 
-AT_ONCE = Said()
+AT_ONCE = Waiting()
 
 
 class Stops:
@@ -30,7 +30,7 @@ class Stops:
     def __init__(self) -> None:
         self._at: dict[str, float] = {}
 
-    def heard(self, came_s: float, capability: str = ALL) -> None:
+    def note(self, came_s: float, capability: str = ALL) -> None:
         """Take note of a stop; `capability` is one that there is."""
         self._at[capability] = max(came_s, self._at.get(capability, -inf))
 

@@ -67,7 +67,7 @@ class Hub:
         return "all" if self._closed else self._turns.why_not(who)
 
     @contextmanager
-    def viewer(self, camera: str, who: str, session: str = "") -> Iterator[Viewer]:
+    def viewer(self, camera: str, asker: str, session: str = "") -> Iterator[Viewer]:
         """Watch for the time of a `with`."""
         viewer = Viewer(camera, session)
         self._viewers.add(viewer)
@@ -75,7 +75,7 @@ class Hub:
             if self._end is None:
                 self._loop = asyncio.get_running_loop()
                 self._end = self._begin(self.deal)
-            with self._turns.turn(who):
+            with self._turns.turn(asker):
                 yield viewer
         finally:
             self._viewers.discard(viewer)

@@ -40,24 +40,24 @@ class Stream(Response):
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Send pictures, the newest only; Refused (503) if too many watch."""
-        who, what = names.peer_name(self._client.address), self._camera or "the camera that is on"
-        if full := self._hub.full(who):
+        asker, name = names.peer_name(self._client.address), self._camera or "the camera that is on"
+        if full := self._hub.full(asker):
             text = f"{full} are watching already; come back when one has left"
             raise Refused(503, text, {"Retry-After": "10"}, "busy")
-        self._tell(f"{self._client} watches {what}")
+        self._tell(f"{self._client} watches {name}")
         if (connection := connection_of(scope)) is not None:
             connection.mark("watching")
         try:
-            with self._hub.viewer(self._camera, who, self._client.session) as viewer:
+            with self._hub.viewer(self._camera, asker, self._client.session) as viewer:
                 await _stream(viewer, scope, receive, send)
         finally:
-            self._tell(f"{self._client} watches {what} no more")
+            self._tell(f"{self._client} watches {name} no more")
 
 
 async def _stream(viewer: Viewer, scope: Scope, receive: Receive, send: Send) -> None:
     if scope["method"] == "HEAD":
         viewer.end()
-    gone = asyncio.create_task(_hung_up(viewer, receive))
+    hang_up = asyncio.create_task(_hung_up(viewer, receive))
     try:
         await _send(send, {"type": "http.response.start", "status": 200, "headers": list(HEADERS)})
         await _send(send, _body(PART))
@@ -68,9 +68,9 @@ async def _stream(viewer: Viewer, scope: Scope, receive: Receive, send: Send) ->
     except TimeoutError:
         viewer.end()  # and the server closes what was not completed
     finally:
-        gone.cancel()
+        hang_up.cancel()
         with suppress(asyncio.CancelledError):
-            await gone
+            await hang_up
 
 
 def _body(data: bytes) -> dict[str, object]:

@@ -1,7 +1,6 @@
 """The checks of `lbr doctor` for a robot that is served over HTTP: whether its port is free, and who may reach it."""
 
 import errno
-import socket
 from collections.abc import Iterable, Iterator
 from typing import Annotated
 
@@ -12,6 +11,7 @@ from lbr import home
 from lbr.apps.http import listening, names
 from lbr.commands.finding import Finding
 from lbr.database.rows import CapabilityRow
+from lbr.errors import InputError
 from lbr.messages.unreadable import UNREADABLE
 
 KIND = "web"
@@ -26,7 +26,7 @@ class Place(Struct, frozen=True):
 
 def ports(robot: str, rows: Iterable[CapabilityRow]) -> Iterator[Finding]:
     """Look at the port of every capability of a robot that serves."""
-    runs = any(one.robot == robot for one in home.running())
+    runs = any(run.robot == robot for run in home.running())
     for row in rows:
         if row.kind == KIND and row.enabled:
             try:
@@ -35,40 +35,21 @@ def ports(robot: str, rows: Iterable[CapabilityRow]) -> Iterator[Finding]:
                 text = f"the row's settings say no host and port to listen at: {err}"
                 yield Finding(about=f"port of '{row.name}'", level="bad", text=text, do="lbr db check")
             else:
-                yield _port(robot, row.name, place.host, place.port, runs=runs)
+                yield _port(robot, row.name, place, runs=runs)
 
 
-def _port(robot: str, name: str, host: str, port: int, *, runs: bool) -> Finding:
-    about, where = f"port of '{name}'", f"port {port} at {host}"
-    problem, beside = _taken(host, port), listening.BESIDE.get(host, "")
-    if problem is None and beside and listening.is_here(beside):
-        problem = _taken(beside, port)
-        where = f"port {port} at {beside}" if problem is not None else where
-    taken = problem is not None and problem.errno == errno.EADDRINUSE
-    if taken and runs:
-        return Finding(
-            about=about, level="good", text=f"{where}: robot '{robot}' runs here; 'lbr status' shows if it has it"
-        )
-    if taken:
-        text = f"{where} is taken by another program; robot '{robot}' runs, but without its API"
-        return Finding(about=about, level="hint", text=text, do=f"ss -ltnp 'sport = :{port}'")
-    if problem is not None:
-        text = f"{where} cannot be opened: {problem.strerror or problem}"
-        return Finding(about=about, level="hint", text=text, do="change host or port in the row's settings")
-    reach = "this machine alone reaches it" if names.is_local(host) else "the network reaches it"
+def _port(robot: str, name: str, place: Place, *, runs: bool) -> Finding:
+    about, where = f"port of '{name}'", f"port {place.port} at {place.host}"
+    try:
+        for sock in listening.listen(place.host, place.port):
+            sock.close()
+    except InputError as err:
+        if isinstance(err.__cause__, OSError) and err.__cause__.errno == errno.EADDRINUSE:
+            if runs:
+                text = f"{where}: robot '{robot}' runs here; 'lbr status' shows if it has it"
+                return Finding(about=about, level="good", text=text)
+            text = f"{err}: by another program; robot '{robot}' runs, but without its API"
+            return Finding(about=about, level="hint", text=text, do=f"ss -ltnp 'sport = :{place.port}'")
+        return Finding(about=about, level="hint", text=str(err), do="change host or port in the row's settings")
+    reach = "this machine alone reaches it" if names.is_local(place.host) else "the network reaches it"
     return Finding(about=about, level="good", text=f"{where} is free; {reach}")
-
-
-def _taken(host: str, port: int) -> OSError | None:
-    """Return what the system says against listening there, if it says anything."""
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    with socket.socket(family, socket.SOCK_STREAM) as tried:
-        tried.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            tried.bind((host, port))
-            tried.listen(1)
-        except OSError as err:
-            return err
-        except (ValueError, TypeError) as err:  # no name of a machine has such letters, or so many
-            return OSError(errno.EINVAL, str(err))
-    return None

@@ -269,14 +269,14 @@ class Building:
             before = known.get(name or given.name)
             lead_in = before.lead_in if before is not None else ""
             return Motion(name=given.name, frames=given.frames, help=given.help, lead_in=lead_in)
-        if (found := known.get(name or "")) is None:
+        if (motion := known.get(name or "")) is None:
             raise Refused(404, f"there is no motion '{name or ''}'")
-        if found.slot is not None:
+        if motion.slot is not None:
             text = (
-                f"'{found.name}' is kept by the robot's controller, in slot {found.slot}: there is no more of it here"
+                f"'{motion.name}' is kept by the robot's controller, in slot {motion.slot}: there is no more of it here"
             )
             raise Refused(400, text, code="not_possible")
-        return found
+        return motion
 
     async def _done(self, job: Any, kind: type[T]) -> T:
         """Have a job done, and return what came of it; Refused says why nothing did."""

@@ -79,13 +79,13 @@ class Work:
 
     def _hear(self, line: bytes) -> None:
         try:
-            said = msgspec.json.decode(line, type=Said)
+            result = msgspec.json.decode(line, type=Said)
         except UNREADABLE as err:
-            said = NotDone(reason=f"what the process said cannot be read: {err}")
-        if isinstance(said, Progress):
-            self.part = said.part
+            result = NotDone(reason=f"what the process said cannot be read: {err}")
+        if isinstance(result, Progress):
+            self.part = result.part
         else:
-            self.result = said
+            self.result = result
 
 
 class Works:

@@ -63,12 +63,12 @@ class File:
 def built(place: Traversable | None = None) -> tuple[File, ...]:
     """Return all files of `dist/`; NotBuiltError if there is no page in it."""
     place = place or resources.files(__package__) / "dist"
-    found = tuple(file(name, content) for name, content in _read(place)) if place.is_dir() else ()
-    if not any(one.name == INDEX for one in found):
+    files = tuple(file(name, content) for name, content in _read(place)) if place.is_dir() else ()
+    if not any(one.name == INDEX for one in files):
         raise NotBuiltError(
             f"the page is not built: {place}/{INDEX} is missing; `make page` builds it (node 20 or newer)"
         )
-    return found
+    return files
 
 
 def face(_robot: Robot) -> "PageFace":
@@ -101,11 +101,11 @@ def file(name: str, content: bytes) -> File:
 
 
 def _read(place: Traversable, under: str = "") -> Iterator[tuple[str, bytes]]:
-    for one in sorted(place.iterdir(), key=lambda one: one.name):
-        if one.is_dir():
-            yield from _read(one, f"{under}{one.name}/")
+    for path in sorted(place.iterdir(), key=lambda path: path.name):
+        if path.is_dir():
+            yield from _read(path, f"{under}{path.name}/")
         else:
-            yield under + one.name, one.read_bytes()
+            yield under + path.name, path.read_bytes()
 
 
 class PageFace(Face):
@@ -138,21 +138,21 @@ class PageFace(Face):
         return served(found, request)
 
 
-def served(found: File, request: Request) -> Response:
+def served(built_file: File, request: Request) -> Response:
     """Return a file, or that it has not changed (304)."""
     headers = {
-        "Cache-Control": FOREVER if found.lasts else LOOK_AGAIN,
-        "ETag": found.tag,
+        "Cache-Control": FOREVER if built_file.lasts else LOOK_AGAIN,
+        "ETag": built_file.tag,
         "Vary": "Origin, Accept, Accept-Encoding",
     }
-    if found.name == INDEX:
+    if built_file.name == INDEX:
         headers["Content-Security-Policy"] = POLICY
     known = [tag.strip().removeprefix("W/") for tag in request.headers.get("if-none-match", "").split(",")]
-    if found.tag in known:
+    if built_file.tag in known:
         return Response(status_code=304, headers=headers)
-    if found.packed and _takes_gzip(request.headers.get("accept-encoding", "")):
-        return Response(found.packed, headers={**headers, "Content-Encoding": "gzip"}, media_type=found.media)
-    return Response(found.content, headers=headers, media_type=found.media)
+    if built_file.packed and _takes_gzip(request.headers.get("accept-encoding", "")):
+        return Response(built_file.packed, headers={**headers, "Content-Encoding": "gzip"}, media_type=built_file.media)
+    return Response(built_file.content, headers=headers, media_type=built_file.media)
 
 
 def _takes_gzip(said: str) -> bool:
