@@ -7,7 +7,7 @@ from typing import Any
 
 from lbr.bus import keys, wire
 from lbr.bus.session import Session
-from tests.support.bench import ANGLES, Bench, bench, tools
+from tests.support.bench import ANGLES, Bench, bench
 from tests.support.figures import Results
 
 STOP_LIMIT_S = 0.5
@@ -19,7 +19,7 @@ STOPS = ("s", "S", "stop", "estop", "/estop/matrix")
 
 def matrix(under_test: Bench) -> None:
     """Every role's lines: the stops while the robot drives, then `reset`, then a motion."""
-    with tools(under_test.robot) as bus:
+    with under_test.robot.as_owner() as bus:
         for role in ROLES:
             for line in STOPS:
                 _stops(

@@ -14,7 +14,7 @@ import psutil
 
 from lbr import home as homes
 from tests.support import programs
-from tests.support.bench import Bench, let_go, processes_of, say, temporary_home
+from tests.support.bench import Bench, let_go, processes_of, temporary_home
 from tests.support.figures import Results
 from tests.support.robot import LBR, Robot, environment, start
 from tests.support.waiting import until
@@ -25,7 +25,7 @@ FIRST, LAST = "drive", "world"
 
 def by_word(under_test: Bench) -> None:
     """The word `Shutdown` at a console."""
-    said = say(under_test.robot, "Shutdown")
+    said = under_test.robot.line("Shutdown")
     assert said["code"] == 0, said
 
 

@@ -1,6 +1,5 @@
 """A simulated robot under measurement: driven by a stubborn sender, watched at its motor controller's outputs."""
 
-import json
 import os
 import random
 import select
@@ -13,12 +12,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-import msgspec
 import psutil
 
-from lbr import home as homes
-from lbr.bus import keys, session, wire
-from lbr.bus.access import TOOLS, Credentials
 from lbr.errors import BusError
 from lbr.testing.robot import NoAnswerError
 from tests.support.figures import Results
@@ -298,17 +293,3 @@ def let_go(robot: Robot) -> None:
     for pipe in (robot.popen.stdin, robot.popen.stdout):
         if pipe is not None:
             pipe.close()
-
-
-def tools(robot: Robot) -> session.Session:
-    """Return a session with all rights, as the tools of the home's owner have."""
-    record = robot.home / "run" / f"{robot.name}.json"
-    found = msgspec.json.decode(record.read_bytes(), type=homes.Running)
-    return session.open_client([found.core], Credentials(user=TOOLS, password=found.password))
-
-
-def say(robot: Robot, line: str) -> Any:
-    """Say a console line with the rights of the home's owner."""
-    with tools(robot) as bus:
-        answers = wire.ask(bus, keys.console(robot.name, "admin"), line, source="bench", timeout_s=5.0)
-        return json.loads(answers[0].payload) if answers else None

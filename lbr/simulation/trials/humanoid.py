@@ -4,16 +4,14 @@ from math import hypot, pi
 from random import Random
 from typing import Any
 
-from lbr.bus import keys
 from lbr.capability.stage import Stage
-from lbr.messages.behaviour import BehaviourState
 from lbr.messages.joints import Joint, TorqueCommand
 from lbr.simulation.humanoid.engine import HumanoidEngine
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.settings import StartPose
 from lbr.simulation.trials.body import BodyInstruments, standing_angles
 from lbr.simulation.trials.faults import NONE, Faults
-from lbr.simulation.trials.trial import BY, RUNS, WORLD, Setup, TableTrial, rows_of
+from lbr.simulation.trials.trial import BY, WORLD, Setup, TableTrial, rows_of
 
 AS_THEY_ARE = frozenset({"joints", "motions", "behaviour"})
 """Kinds that run here as they are; what others would tell, instruments tell, or nothing does."""
@@ -30,26 +28,16 @@ class HumanoidTrial(TableTrial):
     def __init__(self, setup: Setup, number: int, *, seed: int = 1, fault: str = "", faults: Faults = NONE) -> None:
         self.number, self.fault, self.start = number, fault, StartPose()
         random = Random(f"{seed}/{number}/{fault}")
-        kinds, units = setup.kinds(), setup.units
-        board = Stage(setup.robot)
-        super().__init__(setup, board)
+        super().__init__(setup, Stage(setup.robot))
         world = setup.humanoid or HumanoidWorldSettings(model=setup.robot)
-        rows = rows_of(units[WORLD])(Joint)
+        rows = rows_of(setup.units[WORLD])(Joint)
         self.engine = HumanoidEngine(world, rows, setup.home)
         self.began = _placed(self.engine, setup.begins, number, random)
-        for name, unit in units.items():
-            if kinds[name].name in AS_THEY_ARE:
-                capability = board.add(unit, kinds[name], random.uniform(0.0, 0.02))
-                if kinds[name].name == RUNS:
-                    self._runs = name
-                    capability.dice.seed(random.randrange(1 << 30))  # type: ignore[attr-defined]
-                if kinds[name].name == "joints":
-                    self._joints = name
-        others = {name: (unit, kinds[name]) for name, unit in units.items() if name not in board.members}
-        self.instruments = BodyInstruments(board, others, self.engine, rows, random, faults)
+        others = self._begin(AS_THEY_ARE, random)
+        self._joints = next(name for name, member in self.board.members.items() if member.ctx.kind.name == "joints")
+        self.instruments = BodyInstruments(self.board, others, self.engine, rows, random, faults)
         self.falls = 0
         self._upright = self.engine.pose().upright
-        board.listen(keys.port(setup.robot, self._runs, "state"), BehaviourState, self._follow)
 
     def warm_up(self) -> None:
         """Let it fall if it is to, and switch its torque on, as a person does before a table."""

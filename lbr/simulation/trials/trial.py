@@ -120,6 +120,20 @@ class TableTrial(ABC):
         self.state = BehaviourState(phase="resting")
         self.moved_m = 0.0
 
+    def _begin(self, kinds: frozenset[str], random: Random) -> dict[str, tuple[ProcessConfig, Kind]]:
+        """Have capabilities of these kinds run as they are, the table's among them; return the others."""
+        of, others = self._setup.kinds(), {}
+        for name, unit in self._setup.units.items():
+            if of[name].name not in kinds:
+                others[name] = (unit, of[name])
+                continue
+            capability: Any = self.board.add(unit, of[name], random.uniform(0.0, 0.02))
+            if of[name].name == RUNS:
+                self._runs = name
+                capability.dice.seed(random.randrange(1 << 30))
+        self.board.listen(keys.port(self._setup.robot, self._runs, "state"), BehaviourState, self._follow)
+        return others
+
     @property
     def told(self) -> list[Told]:
         """Return the events so far."""
@@ -210,16 +224,9 @@ class Trial(TableTrial):
         world = faults.world(replace(setup.world, start=start, seed=random.randrange(1 << 30)))
         if world.ultrasonic == Ultrasonic():
             world = replace(world, ultrasonic=NOISY)
-        kinds, units = setup.kinds(), setup.units
-        sensors, wheels, rollers = body_of(world, rows_of(units[WORLD]))
+        sensors, wheels, rollers = body_of(world, rows_of(setup.units[WORLD]))
         self.engine = Engine(world, sensors, wheels, rollers=rollers)
-        for name, unit in units.items():
-            if kinds[name].name in AS_THEY_ARE:
-                capability: Any = self.board.add(unit, kinds[name], random.uniform(0.0, 0.02))
-                if kinds[name].name == RUNS:
-                    self._runs = name
-                    capability.dice.seed(random.randrange(1 << 30))
-        others = {name: (unit, kinds[name]) for name, unit in units.items() if name not in self.board.members}
+        others = self._begin(AS_THEY_ARE, random)
         error_deg = random.uniform(-COMPASS_DEG, COMPASS_DEG) if number else 0.0
         self.instruments = Instruments(self.board, others, self.engine, random, faults, error_deg)
         self.contact_mps = 0.0
@@ -227,7 +234,6 @@ class Trial(TableTrial):
         self._speed_mps = 0.0
         self._been: deque[tuple[float, float, int]] = deque(maxlen=round(STUCK_S / LOOK_S))
         self._look_at_s = 0.0
-        self.board.listen(keys.port(setup.robot, self._runs, "state"), BehaviourState, self._follow)
 
     def round(self) -> None:
         """Let one round go by, and watch the robot."""

@@ -1,9 +1,9 @@
 """A manoeuvre's knowledge of the robot: the newest of its streams, each for as long as it can be believed."""
 
 from math import inf
-from typing import Any, Protocol
+from typing import Any
 
-from lbr.capability.context import Received
+from lbr.capability.context import Context
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.battery import BatteryState
 from lbr.messages.dock import DockSignal
@@ -21,23 +21,10 @@ class BlindError(Exception):
     """The robot does not know what a manoeuvre has to know; the text says what."""
 
 
-class Inputs(Protocol):
-    """The part of a context that is needed here."""
-
-    def clock(self) -> float:
-        """Monotonic seconds."""
-
-    def latest(self, port: str) -> Received | None:
-        """Return the newest message of an input."""
-
-    def take(self, port: str) -> list[Received]:
-        """Return what arrived on an input."""
-
-
 class Senses:
     """The robot's own reports. Directions count from `heading_deg`, or without a compass from the first look."""
 
-    def __init__(self, ctx: Inputs, heading_deg: float) -> None:
+    def __init__(self, ctx: Context[Any], heading_deg: float) -> None:
         self._ctx = ctx
         self._heading_deg = heading_deg
         self._zero: tuple[str, float] | None = None

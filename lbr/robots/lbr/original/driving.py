@@ -56,14 +56,14 @@ class Client:
         return f"{self.token} at {self.address}" if self.token else self.address
 
 
+@dataclass(eq=False, slots=True)
 class Hold:
     """The motion of the base now, its client, and when that was heard."""
 
-    def __init__(self, client: Client, motion: Motion, lease: LeaseClient, heartbeat: Heartbeat) -> None:
-        self.client = client
-        self.motion = motion
-        self.lease = lease
-        self.heartbeat = heartbeat
+    client: Client
+    motion: Motion
+    lease: LeaseClient
+    heartbeat: Heartbeat
 
 
 class Driver:
