@@ -85,40 +85,38 @@ def locate(device: Device, default_address: int) -> Place:
     elif found := _SOCKET.fullmatch(device.address):
         place = Place(-1, found[1], int(found[2], 0) if found[2] else default_address)
     else:
-        said = f"device '{device.name}': address '{device.address}' is not one of i2c:BUS:ADDRESS (i2c:1:0x68)"
-        raise DeviceError(f"{said}, unix:PATH, unix:PATH:ADDRESS; correct the device row")
+        complaint = f"device '{device.name}': address '{device.address}' is not one of i2c:BUS:ADDRESS (i2c:1:0x68)"
+        raise DeviceError(f"{complaint}, unix:PATH, unix:PATH:ADDRESS; correct the device row")
     if not _FIRST <= place.address <= _LAST:
-        said = f"device '{device.name}': i2c addresses are {_FIRST:#04x} to {_LAST:#04x}, not {place.address:#04x}"
-        raise DeviceError(f"{said}; correct the address in the device row")
+        complaint = f"device '{device.name}': i2c addresses are {_FIRST:#04x} to {_LAST:#04x}, not {place.address:#04x}"
+        raise DeviceError(f"{complaint}; correct the address in the device row")
     return place
 
 
 def unanswered(device: Device, address: int, err: OSError, what: str = "") -> DeviceError:
     """Return the error to raise when a device on an open bus does not do as it should."""
-    said = f"device '{device.name}' at {device.address}: {what or 'it'}"
+    complaint = f"device '{device.name}' at {device.address}: {what or 'it'}"
     if err.errno in UNANSWERED:
-        said = f"{said} does not answer at {address:#04x} ({_cause(err)}); check its power and wiring"
+        complaint = f"{complaint} does not answer at {address:#04x} ({_cause(err)}); check its power and wiring"
     else:
-        said = f"{said} at {address:#04x} cannot be used ({_cause(err)})"
-    return DeviceError(f"{said}; {_look(device)}")
+        complaint = f"{complaint} at {address:#04x} cannot be used ({_cause(err)})"
+    return DeviceError(f"{complaint}; {_look(device)}")
 
 
 def _why_not(device: Device, place: Place, err: OSError) -> str:
     if isinstance(err, DeviceError):
         return f"device '{device.name}': {err}"
     if place.path:
-        said = f"device '{device.name}': no process serves {place.path} ({_cause(err)})"
-        return f"{said}; start what stands for the device there, or correct the address in the device row"
-    said = f"device '{device.name}' at {device.address}: /dev/i2c-{place.number}"
+        complaint = f"device '{device.name}': no process serves {place.path} ({_cause(err)})"
+        return f"{complaint}; start what stands for the device there, or correct the address in the device row"
+    complaint = f"device '{device.name}' at {device.address}: /dev/i2c-{place.number}"
     match err.errno:
         case errno.ENOENT | errno.ENXIO | errno.ENODEV:
-            return (
-                f"{said} is missing; switch i2c on (on a Pi: raspi-config), or correct the device row; see lbr doctor"
-            )
+            return f"{complaint} is missing; switch i2c on (on a Pi: raspi-config), or correct the device row; see lbr doctor"
         case errno.EACCES | errno.EPERM:
-            return f"{said} {access.refused(f'/dev/i2c-{place.number}', 'i2c')}"
+            return f"{complaint} {access.refused(f'/dev/i2c-{place.number}', 'i2c')}"
         case _:
-            return f"{said} cannot be opened ({_cause(err)}); see lbr doctor"
+            return f"{complaint} cannot be opened ({_cause(err)}); see lbr doctor"
 
 
 def _look(device: Device) -> str:

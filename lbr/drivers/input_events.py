@@ -48,19 +48,19 @@ class RecordParser(Generic[R]):
     def feed(self, data: bytes) -> list[R]:
         """Return what these bytes complete; a record of which nothing is made is left out."""
         held = self._held + data
-        found, at = [], 0
+        values, at = [], 0
         while at + self._size <= len(held):
             try:
-                one = self._read(held[at : at + self._size])
+                value = self._read(held[at : at + self._size])
             except BadRecordError:
                 self.passed_over += 1
                 at += 1
                 continue
             at += self._size
-            if one is not None:
-                found.append(one)
+            if value is not None:
+                values.append(value)
         self._held = held[at:]
-        return found
+        return values
 
     def pause(self) -> None:
         """Nothing came: the kernel writes whole records, so what is held is the rest of a damaged one."""

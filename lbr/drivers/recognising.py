@@ -85,21 +85,23 @@ def at_i2c(bus_address: str, known: Known, skip: Iterable[int] = ()) -> list[tup
 
     DeviceError says why the bus cannot be opened.
     """
-    wanted = [(type_, one) for type_, ones in known.items() for one in ones if isinstance(one, I2cHandshake)]
-    places = sorted({address for _, one in wanted for address in one.addresses} - set(skip))
+    wanted = [
+        (type_, handshake) for type_, ones in known.items() for handshake in ones if isinstance(handshake, I2cHandshake)
+    ]
+    places = sorted({address for _, handshake in wanted for address in handshake.addresses} - set(skip))
     if not places:
         return []
     bus, _ = i2c.open_bus(Device(NAME, "", f"{bus_address}:{places[0]:#04x}", {}), places[0])
-    found = []
+    recognised = []
     try:
         for address in places:
-            for type_, one in wanted:
-                if address in one.addresses and (seen := _read(bus, address, one)) is not None:
-                    found.append((address, (type_, seen)))
+            for type_, handshake in wanted:
+                if address in handshake.addresses and (seen := _read(bus, address, handshake)) is not None:
+                    recognised.append((address, (type_, seen)))
                     break
     finally:
         bus.close()
-    return found
+    return recognised
 
 
 def by_name(place: str, name: str, known: Known) -> Found | None:
@@ -117,36 +119,36 @@ def _in_order(wanted: Iterable[tuple[str, SerialHandshake]]) -> list[tuple[str, 
 
 
 def _ask(line: SerialLine, handshake: SerialHandshake, until: float) -> tuple[Seen | None, bytes]:
-    heard = bytearray()
+    answer = bytearray()
     for number, question in enumerate(handshake.questions):
         line.write(question)
         last = number == len(handshake.questions) - 1
-        _hear(line, heard, 0.0 if last else handshake.gap_s, until, lambda: False)
-        if not (handshake.whole or last) and (seen := _judged(handshake.seen, bytes(heard))) is not None:
-            return seen, bytes(heard)
+        _hear(line, answer, 0.0 if last else handshake.gap_s, until, lambda: False)
+        if not (handshake.whole or last) and (seen := _judged(handshake.seen, bytes(answer))) is not None:
+            return seen, bytes(answer)
 
     def known() -> bool:
-        return not handshake.whole and _judged(handshake.seen, bytes(heard)) is not None
+        return not handshake.whole and _judged(handshake.seen, bytes(answer)) is not None
 
-    _hear(line, heard, handshake.listen_s, until, known)
-    return _judged(handshake.seen, bytes(heard)), bytes(heard)
+    _hear(line, answer, handshake.listen_s, until, known)
+    return _judged(handshake.seen, bytes(answer)), bytes(answer)
 
 
-def _hear(line: SerialLine, heard: bytearray, wait_s: float, until: float, enough: Callable[[], bool]) -> None:
+def _hear(line: SerialLine, answer: bytearray, wait_s: float, until: float, enough: Callable[[], bool]) -> None:
     end = min(time.monotonic() + wait_s, until)
-    while (left := end - time.monotonic()) > 0.0 and len(heard) < MOST_HEARD:
+    while (left := end - time.monotonic()) > 0.0 and len(answer) < MOST_HEARD:
         data = line.read(left)
         if data:
-            heard += data
+            answer += data
             if enough():
                 return
 
 
-def _read(bus: Bus, address: int, one: I2cHandshake) -> Seen | None:
+def _read(bus: Bus, address: int, handshake: I2cHandshake) -> Seen | None:
     def read(register: int, count: int) -> bytes:
         return bytes(bus.read_i2c_block_data(address, register, count))
 
-    return _judged(one.seen, read)
+    return _judged(handshake.seen, read)
 
 
 def hung() -> list[str]:
@@ -156,16 +158,16 @@ def hung() -> list[str]:
     )
 
 
-def _judged(judge: Callable[..., Seen | None], told: bytes | str | Read) -> Seen | None:
+def _judged(judge: Callable[..., Seen | None], answer: bytes | str | Read) -> Seen | None:
     """Return what a driver makes of an answer; a judge that breaks at what a strange device says has not recognised
     it."""
     if judge in _HUNG:
         return None
-    found: list[object] = []
+    verdicts: list[object] = []
 
     def run() -> None:
         with suppress(Exception, SystemExit):  # it may be a package's, and what it is given may be anything
-            found.append(judge(told))
+            verdicts.append(judge(answer))
 
     if _name(judge).startswith("lbr."):
         run()
@@ -175,7 +177,7 @@ def _judged(judge: Callable[..., Seen | None], told: bytes | str | Read) -> Seen
         thread.join(JUDGED_S)
         if thread.is_alive():
             _HUNG.add(judge)
-    return found[0] if found and isinstance(found[0], Seen) else None
+    return verdicts[0] if verdicts and isinstance(verdicts[0], Seen) else None
 
 
 def _name(judge: Callable[..., Any]) -> str:

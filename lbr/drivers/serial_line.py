@@ -47,7 +47,7 @@ class SerialLine:
             except BlockingIOError:
                 return b""
         if not data:
-            raise self._gone("end of file")
+            raise self._line_lost("end of file")
         self.tap.came(data)
         return data
 
@@ -68,7 +68,7 @@ class SerialLine:
         except ValueError as err:
             raise DeviceError(f"device '{self.device}' at {self.path} cannot be read at {baud} baud: {err}") from err
         except (OSError, termios.error) as err:
-            raise self._gone(f"cannot be set to {baud} baud: {_cause(err)}") from err
+            raise self._line_lost(f"cannot be set to {baud} baud: {_cause(err)}") from err
 
     def low_latency(self) -> None:
         """Have the kernel hand over what comes in at once, where the line can: some adapters wait for 16 ms."""
@@ -97,9 +97,9 @@ class SerialLine:
         except DeviceError:
             raise
         except (OSError, termios.error) as err:
-            raise self._gone(f"{trouble}: {_cause(err)}") from err
+            raise self._line_lost(f"{trouble}: {_cause(err)}") from err
 
-    def _gone(self, cause: str) -> DeviceError:
+    def _line_lost(self, cause: str) -> DeviceError:
         return DeviceError(f"device '{self.device}' at {self.path} went away ({cause}); check its cable and power")
 
 
@@ -123,24 +123,24 @@ def resolve(device: Device, ports: Callable[[], list[tuple[str, int | None, int 
     if address.startswith("/"):
         return address
     if usb := _USB.fullmatch(address):
-        found = _matching_usb(usb, (ports or _usb_ports)())
+        paths = _matching_usb(usb, (ports or _usb_ports)())
     elif address.startswith("by-id:"):
-        found = sorted(glob(f"{BY_ID}/{address.removeprefix('by-id:')}"))  # noqa: PTH207  a pattern, from a row
+        paths = sorted(glob(f"{BY_ID}/{address.removeprefix('by-id:')}"))  # noqa: PTH207  a pattern, from a row
     else:
         raise DeviceError(
             f"device '{device.name}': address '{address}' is not one of a path (/dev/...), usb:VID:PID[:SERIAL], by-id:GLOB"
         )
-    return _only_one(device, found)
+    return _only_one(device, paths)
 
 
-def _only_one(device: Device, found: list[str]) -> str:
-    if not found:
+def _only_one(device: Device, paths: list[str]) -> str:
+    if not paths:
         raise DeviceError(f"device '{device.name}': nothing matches {device.address}; plug it in, or see {BY_ID}")
-    if len(found) > 1:
+    if len(paths) > 1:
         raise DeviceError(
-            f"device '{device.name}': {device.address} matches {', '.join(found)}; make the address say which"
+            f"device '{device.name}': {device.address} matches {', '.join(paths)}; make the address say which"
         )
-    return found[0]
+    return paths[0]
 
 
 def _usb_ports() -> list[tuple[str, int | None, int | None, str]]:
@@ -153,20 +153,20 @@ def _matching_usb(usb: re.Match[str], ports: list[tuple[str, int | None, int | N
 
 
 def _why_not(device: str, path: str, err: Exception) -> str:
-    said = f"device '{device}' at {path}"
+    line = f"device '{device}' at {path}"
     # pyserial words its refusals its own way, but keeps the number, or what it was raised from
     first = err.__context__ if isinstance(err.__context__, termios.error) else None
     match getattr(err, "errno", None) or (first.args[0] if first is not None else None):
         case 21 | 25:
-            return f"{said} is no serial line; correct the address in the device row"
+            return f"{line} is no serial line; correct the address in the device row"
         case 2 | 6 | 19:
-            return f"{said} is missing; plug it in, or correct the address in the device row"
+            return f"{line} is missing; plug it in, or correct the address in the device row"
         case 13:
-            return f"{said} {access.refused(path, 'dialout')}"
+            return f"{line} {access.refused(path, 'dialout')}"
         case 11 | 16:
-            return f"{said} is busy{holder(path)}; stop the other program"
+            return f"{line} is busy{holder(path)}; stop the other program"
         case _:
-            return f"{said} cannot be opened: {_cause(err)}"
+            return f"{line} cannot be opened: {_cause(err)}"
 
 
 def holder(path: str) -> str:

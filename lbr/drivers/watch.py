@@ -21,13 +21,13 @@ def outlasted(pipe: int, driver: int, silence_ms: int, words_fd: int, words: byt
     """Return `q` when dismissed; `m` or `z` when the driver is dead, as it said last; see `outlast`."""
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
-    end, said = _watched(pipe, silence_ms)
+    end, state = _watched(pipe, silence_ms)
     if end == TURNING:
         with suppress(OSError):
             os.write(words_fd, words)
         with suppress(OSError):
             signal.pidfd_send_signal(driver, signal.SIGKILL)
-    return end or said
+    return end or state
 
 
 def watch(pipe: int, silence_ms: int) -> bytes:
@@ -39,10 +39,10 @@ def _watched(pipe: int, silence_ms: int) -> tuple[bytes, bytes]:
     """Return how it ended, as `watch` does, and what was said last."""
     poll = select.poll()
     poll.register(pipe, select.POLLIN)
-    said = RESTING
-    while poll.poll(silence_ms if said == TURNING else None):
+    state = RESTING
+    while poll.poll(silence_ms if state == TURNING else None):
         heard = os.read(pipe, 4096)
         if not heard or DISMISSED in heard:
-            return heard and DISMISSED, said
-        said = heard[-1:]
-    return said, said
+            return heard and DISMISSED, state
+        state = heard[-1:]
+    return state, state

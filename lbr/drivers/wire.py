@@ -39,7 +39,7 @@ class Wire:
         except BlockingIOError:
             pass
         except OSError as err:
-            raise self._gone(err) from err
+            raise self._line_lost(err) from err
         self.drop_output()
         return False
 
@@ -52,9 +52,9 @@ class Wire:
         except BlockingIOError:
             return b""
         except OSError as err:
-            raise self._gone(err) from err
+            raise self._line_lost(err) from err
         if not data:
-            raise self._gone(None)
+            raise self._line_lost(None)
         self._tap.came(data)
         return data
 
@@ -67,14 +67,14 @@ class Wire:
         try:
             termios.tcflush(self._fd, termios.TCOFLUSH)
         except (OSError, termios.error) as err:  # the latter is not an OSError
-            raise self._gone(err) from err
+            raise self._line_lost(err) from err
 
     def close(self) -> None:
         """Close the line; never fails."""
         if self._line is not None:
             self._line.close()
 
-    def _gone(self, err: BaseException | None) -> DeviceError:
+    def _line_lost(self, err: BaseException | None) -> DeviceError:
         number = next((value for value in err.args if isinstance(value, int)), None) if err else None
         cause = os.strerror(number) if number is not None else "end of file"
         return DeviceError(f"the servo line {self.name} went away ({cause}); check the adapter's cable and power")

@@ -62,14 +62,14 @@ def test_while_there_is_a_sender_servos_keep_all_of_their_torque_and_then_for_as
 
 def test_why_and_when_the_sender_was_lost_is_told_as_it_was_first():
     state = receive(following(), setpoint(lost=True), 11.0, 11.0, VALID_S)
-    for later in (tick(state, 12.0, VALID_S), tick(state, 12.0, VALID_S, gone="'joints' is not on the bus")):
+    for later in (tick(state, 12.0, VALID_S), tick(state, 12.0, VALID_S, absence="'joints' is not on the bus")):
         assert (later.reason, later.lost_since) == ("the mover of the servos is lost", 11.0)
     assert tick(first(0.0), 99.0, VALID_S).reason == START
-    assert tick(first(0.0), 99.0, VALID_S, gone="'joints' is not on the bus").lost_since == 0.0
+    assert tick(first(0.0), 99.0, VALID_S, absence="'joints' is not on the bus").lost_since == 0.0
 
 
 def test_under_the_emergency_stop_its_reason_stays_whoever_is_lost_besides():
-    state = tick(following(), 10.01, VALID_S, gone="'joints' is not on the bus", estop="button")
+    state = tick(following(), 10.01, VALID_S, absence="'joints' is not on the bus", estop="button")
     assert (state.reason, state.lost_since) == ("emergency stop: button", 10.01)
     reset = tick(following(), 10.01, VALID_S, estop="button")
     reset = tick(reset, 10.02, VALID_S)
@@ -126,7 +126,7 @@ def test_what_is_no_number_ends_the_motion_even_when_it_comes_late():
 
 
 def test_a_source_that_is_gone_is_lost_at_once():
-    state = tick(following(), 10.0, VALID_S, gone="'joints' is not on the bus")
+    state = tick(following(), 10.0, VALID_S, absence="'joints' is not on the bus")
     assert not state.follows
     assert state.lost_since == 10.0
 

@@ -35,7 +35,7 @@ class Robot:
         self.bus = Bus(self.line, clock=self.clock)
         self.told, self.woken, self.sweeps, self.read = [], [], [], {}
         self.rest = Rest(self.clock, BAND_RAD, BAND_LOAD, lambda: self.woken.append(self.clock()))
-        self.poller = Poller(IDS, self.clock, SWEEP_S, told=self.tell, rest=self.rest, rest_period_s=REST_S)
+        self.poller = Poller(IDS, self.clock, SWEEP_S, tell=self.tell, rest=self.rest, rest_period_s=REST_S)
         if dongle:
             self.bus.find_adapter()
         self.run(2.0)
@@ -173,7 +173,7 @@ class Driver(Servos):
     def measured(self, _session, now):
         return Measured(1, now, (), BusStatistics(sweeps_hz=0.0, states_hz=0.0, sweep_ms=0.0))
 
-    def shown(self, _session, _now):
+    def state_key(self, _session, _now):
         return ()
 
     def unusable(self, _session):

@@ -441,7 +441,7 @@ def test_a_servo_that_falls_silent_and_comes_back_is_told_once_each_and_is_looke
     bus.read_state = lambda servo, *_: (
         (found := read(servo)) and (found, SlowState(0.0, False, 512, 100, 1000, 12.0, 30.0))
     )
-    poller = Poller([1, 2], lambda: now[0], told=lambda kind, *_: told.append(kind))
+    poller = Poller([1, 2], lambda: now[0], tell=lambda kind, *_: told.append(kind))
 
     def run(seconds):
         until_s = now[0] + seconds

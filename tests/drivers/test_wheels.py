@@ -12,7 +12,7 @@ import pytest
 
 from lbr.capability.faults import faults
 from lbr.drivers.wheels import EnableCommand
-from lbr.drivers.wheels.guard_stop import heard, stopped
+from lbr.drivers.wheels.guard_stop import is_acknowledged, stopped
 from lbr.messages.motors import MotorSetpoint
 from tests.drivers.peers import DriverContext, Pty
 from tests.drivers.tiny_wheels import FOUR, KIND, QUAD, STOP, Quad, Tiny
@@ -219,6 +219,6 @@ def test_a_stop_reaches_a_line_that_is_no_tty():
 
 
 def test_an_acknowledgement_counts_only_where_there_is_one():
-    assert heard(b"noise ok\r", b"ok\r")
-    assert not heard(b"", b"")
-    assert not heard(b"anything", b"")
+    assert is_acknowledged(b"noise ok\r", b"ok\r")
+    assert not is_acknowledged(b"", b"")
+    assert not is_acknowledged(b"anything", b"")

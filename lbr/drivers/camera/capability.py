@@ -47,7 +47,7 @@ class Camera(Capability[CameraSettings]):
 
     def __init__(self, ctx: Context[CameraSettings]) -> None:
         super().__init__(ctx)
-        self._on = switch_memory.kept(ctx.home, ctx.robot, ctx.name, otherwise=ctx.settings.on)
+        self._on = switch_memory.remembered(ctx.home, ctx.robot, ctx.name, otherwise=ctx.settings.on)
         self._capture: Capture | None = None
         self._switching: _Switching | None = None
         self._newest: Picture | None = None

@@ -101,16 +101,16 @@ class Capture:
     def _stream(self, source: Source) -> None:
         self._pace_is_rest = False
         try:
-            heard, allowed_s = time.monotonic(), FIRST_S
+            arrived_s, allowed_s = time.monotonic(), FIRST_S
             while not self._stopping:
                 self._set_pace(source)
-                left_s = allowed_s - (time.monotonic() - heard)
+                left_s = allowed_s - (time.monotonic() - arrived_s)
                 readable, _, _ = select.select([source.fileno(), self._over], [], [], max(0.0, left_s))
                 if self._over in readable:
                     os.eventfd_read(self._over)
                     continue
                 if self._keep(source.take() if source.fileno() in readable else []):
-                    heard, allowed_s = time.monotonic(), max(SILENT_S, 2.5 / self._pace())
+                    arrived_s, allowed_s = time.monotonic(), max(SILENT_S, 2.5 / self._pace())
                 elif left_s <= 0.0:
                     raise DeviceError(f"no picture has come for {allowed_s:.1f} s; check the camera's cable")
         finally:
@@ -124,14 +124,14 @@ class Capture:
             self._pace_is_rest = self._rests
             source.pace(self._pace())
 
-    def _keep(self, taken: list[Picture]) -> bool:
+    def _keep(self, pictures: list[Picture]) -> bool:
         """Put the newest picture into the slot unless it is old, and say whether there was any."""
-        good = [found for picture in taken if (found := usable(picture))]
+        good = [found for picture in pictures if (found := usable(picture))]
         now = time.monotonic()
         if good and self._rests and self.phase == "streaming" and now - self._kept_at < 0.9 / REST_FPS:
             return True
         fresh = [picture for picture in good[-1:] if now - picture.taken_s <= OLDEST_S]
-        self.dropped += len(taken) - len(fresh)
+        self.dropped += len(pictures) - len(fresh)
         if fresh and not self._stopping:
             self._kept_at = now
             self.dropped += len(self._slot)

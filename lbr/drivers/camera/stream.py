@@ -43,17 +43,17 @@ class StreamSource:
 
     def take(self) -> list[Picture]:
         """Return what has come."""
-        found: list[Picture] = []
+        pictures: list[Picture] = []
         for _ in range(READS):
             data = self._read()
             if data is None:
                 break
             if not data:
-                if found:
+                if pictures:
                     break  # the next call finds the end again
                 raise DeviceError(f"{self._says} went away; start what sends its pictures")
-            found += self._parsed(data)
-        return found
+            pictures += self._parsed(data)
+        return pictures
 
     def pace(self, fps: float) -> None:
         """Ask for so many pictures a second; a line that cannot be sent now is one of a connection that is about to

@@ -28,7 +28,7 @@ class RecordParser:
     def feed(self, data: bytes) -> list[tuple[bytes, int]]:
         """Return the pictures that these bytes complete, each with when it was taken in ns; raise MalformedError."""
         self._held += data
-        found = []
+        pictures = []
         while len(self._held) >= _HEADER.size:
             length, taken_ns = _HEADER.unpack_from(self._held)
             if not 0 < length <= LARGEST_BYTES:
@@ -36,6 +36,6 @@ class RecordParser:
             end = _HEADER.size + length
             if len(self._held) < end:
                 break
-            found.append((bytes(self._held[_HEADER.size : end]), taken_ns))
+            pictures.append((bytes(self._held[_HEADER.size : end]), taken_ns))
             del self._held[:end]
-        return found
+        return pictures

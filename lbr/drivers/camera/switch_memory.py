@@ -14,7 +14,7 @@ def keep(home: str, robot: str, camera: str, *, on: bool) -> None:
         path.write_text(f"{_run()} {'on' if on else 'off'}\n")
 
 
-def kept(home: str, robot: str, camera: str, *, otherwise: bool) -> bool:
+def remembered(home: str, robot: str, camera: str, *, otherwise: bool) -> bool:
     """Return how it was switched in this run of the robot, or what holds `otherwise`."""
     try:
         run, _, wish = _path(home, robot, camera).read_text().strip().rpartition(" ")

@@ -48,15 +48,15 @@ class V4l2Source:
 
     def take(self) -> list[Picture]:
         """Return what waits in the driver's buffers."""
-        found: list[Picture] = []
+        pictures: list[Picture] = []
         with self._telling("went away"):
-            while len(found) <= BUFFERS and select.select([self.fileno()], [], [], 0)[0]:
+            while len(pictures) <= BUFFERS and select.select([self.fileno()], [], [], 0)[0]:
                 try:
                     frame = self._capture.buffer.raw_read()
                 except BlockingIOError:
                     break
-                found.append(_picture(frame))
-        return found
+                pictures.append(_picture(frame))
+        return pictures
 
     def pace(self, fps: float) -> None:
         """Change nothing: a device would have to be stopped for that, and its first picture would then come late."""
@@ -93,7 +93,9 @@ class V4l2Source:
         except DeviceError:
             raise
         except OSError as err:
-            raise DeviceError(f"{self._says} {_what(err, trouble, self._row.address)}", access.code_of(err)) from err
+            raise DeviceError(
+                f"{self._says} {_sentence(err, trouble, self._row.address)}", access.code_of(err)
+            ) from err
         except Exception as err:  # the library has errors of its own
             raise DeviceError(f"{self._says} {trouble}: {err}") from err
 
@@ -115,7 +117,7 @@ def _picture(frame: Any) -> Picture:
     return Picture(bytes(frame.data)[: frame.nbytes], taken if 0.0 <= now - taken <= TRUSTED_AGE_S else now)
 
 
-def _what(err: OSError, trouble: str, path: str) -> str:
+def _sentence(err: OSError, trouble: str, path: str) -> str:
     match err.errno:
         case errno.ENOENT | errno.ENXIO | errno.ENODEV:
             return "is missing; plug it in, or correct the address in the device row"

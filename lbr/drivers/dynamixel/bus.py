@@ -83,11 +83,11 @@ class Bus(ProtocolBus):
         """Return position, speed and load of each; by one request where the adapter can do that."""
         if self.adapter is None:
             return [self.read_motion(servo) for servo in servos]
-        found: list[Motion | None] = []
+        motions: list[Motion | None] = []
         for first in range(0, len(servos), ADAPTER_SERVOS):
             together = tuple(servos[first : first + ADAPTER_SERVOS])
-            found += self.read_together(together) or [None] * len(together)
-        return found
+            motions += self.read_together(together) or [None] * len(together)
+        return motions
 
     def read_together(self, servos: tuple[int, ...]) -> list[Motion | None] | None:
         """Return the same by the adapter's sync read, without error bits; None if the adapter did not answer."""

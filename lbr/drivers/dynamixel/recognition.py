@@ -8,18 +8,18 @@ MODEL_ADDRESS = 0
 MODELS = {12: "AX-12", 18: "AX-18", 300: "AX-12W"}
 
 
-def seen(heard: bytes) -> Seen | None:
+def seen(answer: bytes) -> Seen | None:
     """Return the servos that told a model number of this family."""
-    told = {
+    numbers = {
         one.id: int.from_bytes(one.params, "little")
-        for one in packet.StatusParser().feed(heard)
+        for one in packet.StatusParser().feed(answer)
         if len(one.params) == 2
     }
-    found = {servo: MODELS[model] for servo, model in told.items() if model in MODELS}
-    if not found:
+    models = {servo: MODELS[model] for servo, model in numbers.items() if model in MODELS}
+    if not models:
         return None
-    names = " and ".join(sorted(set(found.values())))
-    return Seen(what=f"bus of {len(found)} Dynamixel {names}: ids {', '.join(map(str, sorted(found)))}")
+    names = " and ".join(sorted(set(models.values())))
+    return Seen(what=f"bus of {len(models)} Dynamixel {names}: ids {', '.join(map(str, sorted(models)))}")
 
 
 HANDSHAKE = SerialHandshake(

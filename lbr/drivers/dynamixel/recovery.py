@@ -11,16 +11,16 @@ COOLER_C = 5
 """So far below its limit a servo must be before it is believed to have cooled down."""
 
 
-def recovery(servo: int, kept: Kept) -> Callable[[Bus], str]:
+def recovery(servo: int, eeprom: Kept) -> Callable[[Bus], str]:
     """Return the job that recovers a servo, and returns why it did not; nothing if it did."""
 
     def job(bus: Bus) -> str:
         status = bus.read(servo, STATE_ADDRESS, STATE_BYTES)
         if status is None:
             return bus.trouble
-        if wrong := _cause(status.error, status.params, kept):
+        if wrong := _cause(status.error, status.params, eeprom):
             return wrong
-        if not bus.put(servo, table.TORQUE_ENABLE, 0) or not bus.put(servo, table.TORQUE_LIMIT, kept.max_torque):
+        if not bus.put(servo, table.TORQUE_ENABLE, 0) or not bus.put(servo, table.TORQUE_LIMIT, eeprom.max_torque):
             return "does not acknowledge"
         if not bus.get(servo, table.TORQUE_LIMIT):
             return "latches again at once"
@@ -29,15 +29,15 @@ def recovery(servo: int, kept: Kept) -> Callable[[Bus], str]:
     return job
 
 
-def _cause(error: int, block: bytes, kept: Kept) -> str:
+def _cause(error: int, block: bytes, eeprom: Kept) -> str:
     """Return what is still wrong. An overload shows only under torque; its bit stays until the torque limit is set."""
-    names = set(error_names(error & kept.shutdown))
+    names = set(error_names(error & eeprom.shutdown))
     temperature = table.PRESENT_TEMPERATURE.decode(block, STATE_ADDRESS)
     tenths = table.PRESENT_VOLTAGE.decode(block, STATE_ADDRESS)
-    if "overheat" in names or temperature > kept.temperature_limit - COOLER_C:
-        limit = kept.temperature_limit - COOLER_C
+    if "overheat" in names or temperature > eeprom.temperature_limit - COOLER_C:
+        limit = eeprom.temperature_limit - COOLER_C
         return f"is still too hot: {temperature} degrees C, and {limit} are allowed; let it cool down"
     if "voltage" in names:
-        allowed = f"{kept.lowest_voltage / 10:g} to {kept.highest_voltage / 10:g} V"
+        allowed = f"{eeprom.lowest_voltage / 10:g} to {eeprom.highest_voltage / 10:g} V"
         return f"has {tenths / 10:g} V, outside {allowed}; look at its supply"
     return ""

@@ -39,12 +39,12 @@ class Setup:
     def __init__(
         self,
         wanted: Sequence[tuple[Register, int]],
-        told: Callable[[str, str, str], None] = lambda _kind, _text, _level: None,
+        tell: Callable[[str, str, str], None] = lambda _kind, _text, _level: None,
     ) -> None:
         self.kept: dict[int, Kept] = {}
         self.done: tuple[tuple[int, str], ...] = ()
         self._wanted = tuple(wanted)
-        self._told = told
+        self._tell = tell
         self._written: dict[int, dict[Register, int]] = {}
         self._garbled: dict[int, int] = {}
         self._warned: dict[int, str] = {}
@@ -62,7 +62,7 @@ class Setup:
             return wrong
         if self._write(bus, servo, block):
             return SETTING_UP
-        self.kept[servo] = _kept(block)
+        self.kept[servo] = _eeprom_of(block)
         return ""
 
     def _eeprom(self, bus: Bus, servo: int) -> bytes | None:
@@ -97,18 +97,18 @@ class Setup:
     def _write(self, bus: Bus, servo: int, block: bytes) -> bool:
         """Write the next value that differs and say so; the servo is deaf for a while then."""
         written = self._written.setdefault(servo, {})
-        other = [(register, value) for register, value in self._wanted if register.decode(block) != value]
-        names = ", ".join(f"{register.name} ({register.decode(block)}, not {value})" for register, value in other)
-        left = [(register, value) for register, value in other if written.get(register, 0) < TRIES]
-        if left and bus.get(servo, table.TORQUE_ENABLE) != 0:
+        different = [(register, value) for register, value in self._wanted if register.decode(block) != value]
+        names = ", ".join(f"{register.name} ({register.decode(block)}, not {value})" for register, value in different)
+        due = [(register, value) for register, value in different if written.get(register, 0) < TRIES]
+        if due and bus.get(servo, table.TORQUE_ENABLE) != 0:
             self._warn(servo, f"keeps its {names}: it has torque; restart the driver without")
             return False
-        if left:
-            register, value = left[0]
+        if due:
+            register, value = due[0]
             written[register] = written.get(register, 0) + 1
             bus.put(servo, register, value)
             return True
-        if other:
+        if different:
             self._warn(servo, f"does not take {names}")
         elif written:
             self.done = (*self.done, (servo, ", ".join(one.name for one in written)))
@@ -119,7 +119,7 @@ class Setup:
         """Tell it once, not at each look."""
         if self._warned.get(servo) != wrong:
             self._warned[servo] = wrong
-            self._told("servo_wrong", f"servo {servo} {wrong}", "warning")
+            self._tell("servo_wrong", f"servo {servo} {wrong}", "warning")
 
 
 class SetupNews:
@@ -158,7 +158,7 @@ def find_servos(
                 raise  # not a matter of its speed
 
 
-def _kept(block: bytes) -> Kept:
+def _eeprom_of(block: bytes) -> Kept:
     return Kept(
         firmware=table.FIRMWARE.decode(block),
         max_torque=table.MAX_TORQUE.decode(block),

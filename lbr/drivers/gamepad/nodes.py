@@ -53,13 +53,13 @@ def _is_gamepad(capabilities: Path) -> bool:
 
 def _bits(file: Path) -> int:
     """Return a bitmap of the kernel's: words of a `long` in hexadecimal, the highest first."""
-    found = 0
+    bits = 0
     for word in _read(file).split():
         try:
-            found = found << _WORD_BITS | int(word, 16)
+            bits = bits << _WORD_BITS | int(word, 16)
         except ValueError:
             return 0
-    return found
+    return bits
 
 
 def _read(file: Path) -> str:

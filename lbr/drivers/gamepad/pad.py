@@ -46,14 +46,14 @@ STANDARD: Mapping[int, Span] = {
 
 def named(codes: Iterable[int]) -> dict[int, Axis]:
     """Return what the axes of a pad mean: without RX and RY, Z and RZ are its right stick and no triggers."""
-    found: dict[int, Axis] = {X: "left_x", Y: "left_y", HAT0X: "dpad_x", HAT0Y: "dpad_y"}
-    found |= {HAT2X: "right_trigger", HAT2Y: "left_trigger", GAS: "right_trigger", BRAKE: "left_trigger"}
-    there = set(codes)
-    if {RX, RY} <= there:
-        found |= {RX: "right_x", RY: "right_y", Z: "left_trigger", RZ: "right_trigger"}
+    axes: dict[int, Axis] = {X: "left_x", Y: "left_y", HAT0X: "dpad_x", HAT0Y: "dpad_y"}
+    axes |= {HAT2X: "right_trigger", HAT2Y: "left_trigger", GAS: "right_trigger", BRAKE: "left_trigger"}
+    present = set(codes)
+    if {RX, RY} <= present:
+        axes |= {RX: "right_x", RY: "right_y", Z: "left_trigger", RZ: "right_trigger"}
     else:
-        found |= {Z: "right_x", RZ: "right_y"}
-    return {code: axis for code, axis in found.items() if code in there}
+        axes |= {Z: "right_x", RZ: "right_y"}
+    return {code: axis for code, axis in axes.items() if code in present}
 
 
 def way(value: int, span: Span, axis: Axis) -> float:
@@ -97,7 +97,7 @@ class Pad:
 
     def feed(self, events: Iterable[InputEvent]) -> list[Held]:
         """Return what was held at the end of each packet; nothing counts from a hole on to the end of that packet."""
-        found = []
+        states = []
         for event in events:
             if (event.type, event.code) == (EV_SYN, SYN_DROPPED):
                 self._skips = self.unknown = True
@@ -108,8 +108,8 @@ class Pad:
             elif event.type == EV_ABS and event.code in self._axes:
                 self._values[event.code] = event.value
             elif (event.type, event.code) == (EV_SYN, SYN_REPORT):
-                found.append(self.held())
-        return found
+                states.append(self.held())
+        return states
 
     def held(self) -> Held:
         """Return what is held; an axis that has not said a value yet is at rest. Of two that mean one, the farther

@@ -55,13 +55,13 @@ class Receiver:
     def poll(self) -> list[Held]:
         """Return what was held at the end of each packet that has come in since the last call."""
         whole = self._node.passed_over
-        found = self._pad.feed(self._node.poll())
+        states = self._pad.feed(self._node.poll())
         if self._node.passed_over > whole:  # no kernel does that: of what came with it nothing is believed
-            found, self._pad.unknown = [], True
+            states, self._pad.unknown = [], True
         if self._pad.unknown:
             self._ask_what_is_held()
-            found.append(self.held())
-        return found
+            states.append(self.held())
+        return states
 
     def held(self) -> Held:
         """Return what is held."""

@@ -29,14 +29,12 @@ class Decoders(Struct, frozen=True, kw_only=True):
         wanted = sorted({NAMES[number] for number in protocols if number in NAMES})
         if self.enabled & set(wanted) if wanted else self.enabled:
             return ""
-        said = (
+        trouble = (
             f"decodes {' and '.join(sorted(self.enabled))}, not {' or '.join(wanted)}"
             if self.enabled
             else "decodes nothing"
         )
-        return (
-            f"{said}: sudo ir-keytable -s {self.receiver} -p {','.join(sorted({*self.enabled, *wanted}) or ['sony'])}"
-        )
+        return f"{trouble}: sudo ir-keytable -s {self.receiver} -p {','.join(sorted({*self.enabled, *wanted}) or ['sony'])}"
 
 
 def of(node: str) -> Decoders | None:

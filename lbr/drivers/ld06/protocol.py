@@ -52,7 +52,7 @@ class PacketParser:
     def feed(self, data: bytes) -> list[Packet]:
         """Return the packets that these bytes complete."""
         self._held += data
-        found: list[Packet] = []
+        packets: list[Packet] = []
         at = 0
         while True:
             head = self._held.find(HEAD, at)
@@ -70,10 +70,10 @@ class PacketParser:
                 self.bad_bytes += 1
                 at += 1
                 continue
-            found.append(packet)
+            packets.append(packet)
             at += PACKET_BYTES
         del self._held[:at]
-        return found
+        return packets
 
     def reset(self) -> None:
         """Forget a packet begun."""

@@ -16,11 +16,11 @@ SENSOR = {
 """Its row, as if it sat in the middle and looked ahead; where it sits is for a person to correct."""
 
 
-def seen(heard: bytes) -> Seen | None:
+def seen(stream: bytes) -> Seen | None:
     """Return the lidar whose packets these are."""
     return (
         Seen(what="LD06 lidar", needs=(("range_sensor", SENSOR),))
-        if len(PacketParser().feed(heard)) >= ENOUGH
+        if len(PacketParser().feed(stream)) >= ENOUGH
         else None
     )
 

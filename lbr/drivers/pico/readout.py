@@ -42,9 +42,9 @@ def items(settings: PicoSettings, cell: registers.Cell | None) -> tuple[Item, ..
 class Readout:
     """A sweep under way: what comes next, what came, and what did not."""
 
-    left: list[Item]
+    items: list[Item]
     retries: int
-    found: dict[str, Any] = field(default_factory=dict)
+    values: dict[str, Any] = field(default_factory=dict)
     missing: dict[str, str] = field(default_factory=dict)
     blind: bool = False
     tries: int = 0
@@ -52,12 +52,12 @@ class Readout:
     @property
     def next(self) -> Item | None:
         """Return what is to be read now; None: it is over, early if something essential does not come."""
-        return self.left[0] if self.left and not self.blind else None
+        return self.items[0] if self.items and not self.blind else None
 
     def take(self, bits: int) -> None:
         """Take in what was read; bits that mean nothing are read again."""
         try:
-            self.found[self.left[0].name] = self.left[0].decode(bits)
+            self.values[self.items[0].name] = self.items[0].decode(bits)
         except MalformedError as err:
             self.fail(str(err))
         else:
@@ -67,34 +67,34 @@ class Readout:
         """Note that reading gave nothing; after the last retry the rest goes on without, unless it is essential."""
         self.tries += 1
         if self.tries > self.retries:
-            self.missing[f"{self.left[0].name} (register {self.left[0].register:#04x})"] = why
-            self.blind = self.left[0].essential
+            self.missing[f"{self.items[0].name} (register {self.items[0].register:#04x})"] = why
+            self.blind = self.items[0].essential
             self._go_on()
 
     def state(self, firmware: str, cell: registers.Cell | None, relay_on: int) -> UpsState:
         """Return what it all says: invalid, with the reason, if anything essential is missing or the supply hangs."""
-        said = "; ".join(f"{name} cannot be read: {why}" for name, why in self.missing.items())
+        unread = "; ".join(f"{name} cannot be read: {why}" for name, why in self.missing.items())
         if self.blind:
-            return UpsState(valid=False, reason=said, firmware=firmware)
-        found = self.found
-        if found["counter"] == found["counter again"]:
+            return UpsState(valid=False, reason=unread, firmware=firmware)
+        values = self.values
+        if values["counter"] == values["counter again"]:
             reason = "the supply hangs: its running counter stands still, so its numbers may be old"
             return UpsState(valid=False, reason=reason, firmware=firmware)
-        relay = found.get("relay")
+        relay = values.get("relay")
         return UpsState(
             valid=True,
-            reason=said,
-            source=found["source"],
-            external_v=found["external_v"],
-            battery_v=found["battery_v"],
-            output_v=found["output_v"],
-            charge=None if cell is None else round(registers.charge(found["battery_v"], cell), 3),
-            charging=found.get("charging"),
-            temperature_c=found.get("temperature_c"),
+            reason=unread,
+            source=values["source"],
+            external_v=values["external_v"],
+            battery_v=values["battery_v"],
+            output_v=values["output_v"],
+            charge=None if cell is None else round(registers.charge(values["battery_v"], cell), 3),
+            charging=values.get("charging"),
+            temperature_c=values.get("temperature_c"),
             relay=None if relay is None else relay == bool(relay_on),
             firmware=firmware,
         )
 
     def _go_on(self) -> None:
         self.tries = 0
-        self.left.pop(0)
+        self.items.pop(0)

@@ -85,7 +85,7 @@ class Supply:
         return Readout(list(items(self._settings, self._cell)), self._settings.retries)
 
     def _read(self) -> None:
-        item = self._sweep.left[0]
+        item = self._sweep.items[0]
         try:
             address = self._commands if item.command else self._status
             read = self._bus.read_word_data if item.word else self._bus.read_byte_data
@@ -95,7 +95,7 @@ class Supply:
             raise
 
     def _finish(self) -> UpsState:
-        done, self._cell = self._sweep, self._sweep.found.get("chemistry", self._cell)
+        done, self._cell = self._sweep, self._sweep.values.get("chemistry", self._cell)
         self._sweep = self._begin()
         return done.state(self.firmware, self._cell, self._settings.relay_on)
 

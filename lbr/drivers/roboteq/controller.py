@@ -75,14 +75,14 @@ class Controller:
 
     def drive(self, *powers: float) -> None:
         """Write the power of left and right, unless an answer is still due; after a gap, zero first."""
-        left, right = powers if all(map(isfinite, powers)) else (0.0, 0.0)
+        left_power, right = powers if all(map(isfinite, powers)) else (0.0, 0.0)
         if not self._settle(PATIENCE_S) or not self._responds():
             return
         if self._gap():
             self.stop()
             return
-        self.asked = (left, right)
-        self._send(self._motors(left, right))
+        self.asked = (left_power, right)
+        self._send(self._motors(left_power, right))
         self._settle(PATIENCE_S)
 
     def stop(self) -> bool:
@@ -171,13 +171,13 @@ class Controller:
             raise DeviceError(self._sentence(f"{self._babbles}does not answer ?FID; check cable, power and address"))
         self.firmware = _text(said)
         self.model = _text(self._ask(wire.query("TRN"), 1))
-        for what, found, pattern in (
+        for field, identity, pattern in (
             ("firmware", self.firmware, self._settings.firmware),
             ("model", self.model, self._settings.model),
         ):
-            if not re.search(pattern, found):
+            if not re.search(pattern, identity):
                 raise DeviceError(
-                    self._sentence(f"says {what} '{found}', expected /{pattern}/; correct the address or `{what}`")
+                    self._sentence(f"says {field} '{identity}', expected /{pattern}/; correct the address or `{field}`")
                 )
         if wire.is_inertial_unit(f"{self.firmware} {self.model}"):
             what = f"says firmware '{self.firmware}': it is an inertial unit (kind riox); correct the address"
@@ -301,11 +301,11 @@ class Controller:
 
     def _powers(self, command: bytes) -> tuple[float, float]:
         values = [int(field) for field in command.split()[1:]]
-        left, right = (
+        left_power, right = (
             values[wheel.channel - 1] * wheel.direction / wire.FULL_SCALE
             for wheel in (self._settings.left, self._settings.right)
         )
-        return left, right
+        return left_power, right
 
     def _sentence(self, what: str) -> str:
         return f"device '{self._settings.device}': the controller {what}"

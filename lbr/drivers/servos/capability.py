@@ -79,7 +79,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         """Return what is known of all servos."""
 
     @abstractmethod
-    def shown(self, session: T, now: float) -> tuple[object, ...]:
+    def state_key(self, session: T, now: float) -> tuple[object, ...]:
         """Return all that is to be published at once when it changes."""
 
     @abstractmethod
@@ -112,7 +112,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         now, estop = self.ctx.clock(), self.ctx.estop
         stopped = estop.reason if estop.engaged else None
         before = self._gate
-        self._gate = tick(before, now, self._valid_s, self._gone(), stopped)
+        self._gate = tick(before, now, self._valid_s, self._without_sender(), stopped)
         if self._gate != before:
             session.rest.stir()
         self.act(session, now)
@@ -222,7 +222,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
             if received.source in sources:
                 self.admit(received.message, received.arrived, self.ctx.clock())
 
-    def _gone(self) -> str:
+    def _without_sender(self) -> str:
         sources = self.ctx.sources("setpoint")
         if not sources:
             return "no source is wired to the setpoint"
@@ -259,9 +259,9 @@ class Servos(Capability[S], ABC, Generic[S, T]):
                 self.ctx.ready()
 
     def _publish_when_due(self, session: T, now: float) -> None:
-        shown = self.shown(session, now)
-        if shown != self._shown or now - self._published >= PUBLISH_S:
-            before, self._shown = self._shown, shown
+        key = self.state_key(session, now)
+        if key != self._shown or now - self._published >= PUBLISH_S:
+            before, self._shown = self._shown, key
             self._publish(session)
             self.published(session, before, now)
 
@@ -293,8 +293,8 @@ class Servos(Capability[S], ABC, Generic[S, T]):
 
     def inhibited(self) -> str:
         """Say why no setpoint would be applied, or nothing."""
-        gone = self._gone()
-        return (self._gate.reason or gone) if self._gate.estop or gone else ""
+        absence = self._without_sender()
+        return (self._gate.reason or absence) if self._gate.estop or absence else ""
 
     def common_state(self) -> dict[str, Any]:
         """Return the fields of a state that are there without a line, too."""

@@ -98,14 +98,14 @@ def receive(state: ServoGate, setpoint: ServoSetpoint, born: float, now: float, 
     return replace(state, goals=goals, setpoint=received, lease=setpoint.lease, reason="")
 
 
-def tick(state: ServoGate, now: float, valid_s: float, gone: str = "", estop: str | None = None) -> ServoGate:
+def tick(state: ServoGate, now: float, valid_s: float, absence: str = "", estop: str | None = None) -> ServoGate:
     """Let time pass. `gone` says why there is no source; `estop` why the emergency stop is engaged."""
     if estop is not None:
         state = replace(ended(state, f"emergency stop: {estop or 'no reason given'}"), estop=True)
     elif state.estop:
         state = replace(state, estop=False, reason="the emergency stop was reset; waiting for a setpoint")
-    if gone:
-        return _lose(state, gone, now)
+    if absence:
+        return _lose(state, absence, now)
     if state.seen and not fresh(state.born, now, valid_s):
         return _lose(state, f"no setpoint within {valid_s:g} s", now)
     return state

@@ -60,12 +60,12 @@ class Poller(Generic[B]):
         clock: Callable[[], float],
         period_s: float = 0.0,
         prepare: Callable[[B, int], str] = lambda _bus, _servo: "",
-        told: Callable[[str, str, str], None] = lambda _kind, _text, _level: None,
+        tell: Callable[[str, str, str], None] = lambda _kind, _text, _level: None,
         rest: Rest | None = None,
         rest_period_s: float = 0.0,
     ) -> None:
         self.snapshot = Snapshot(0, -inf, {servo: Seen(reason=UNSEEN) for servo in servos})
-        self.heard = -inf
+        self.heard_at = -inf
         """When any servo was heard last."""
         self._rest = rest or Rest(clock)
         self._rest_period_s = rest_period_s
@@ -75,7 +75,7 @@ class Poller(Generic[B]):
         self._clock = clock
         self._period_s = period_s
         self._prepare = prepare
-        self._told = told
+        self._tell = tell
         self._looks: deque[int] = deque()
         self._turns: Iterator[None] = iter(())
         self._slow_turn = 0
@@ -156,7 +156,7 @@ class Poller(Generic[B]):
             if not self._singly_told:
                 self._singly_told = True
                 text = "reading all servos at once gets no answers; they are read one by one, and that is tried now and then"
-                self._told("sync_read", text, "warning")
+                self._tell("sync_read", text, "warning")
 
     def _read_motion(self, bus: B, servo: _Servo) -> None:
         motion = bus.read_motion(servo.id)
@@ -216,7 +216,7 @@ class Poller(Generic[B]):
             servo.misses += 1
             if servo.misses == MISSES:
                 servo.again = now + servo.pause_s
-                self._told("servo_silent", f"servo {servo.id} {trouble}; check its cable and power", "warning")
+                self._tell("servo_silent", f"servo {servo.id} {trouble}; check its cable and power", "warning")
             if servo.silent:
                 self._see(servo, reason=trouble)
             return
@@ -224,9 +224,9 @@ class Poller(Generic[B]):
             self._rest.stir()
         self._rest.look(servo.id, motion.position_rad, motion.load_fraction)
         if servo.silent and servo.seen.at > -inf:
-            self._told("servo_back", f"servo {servo.id} answers again", "info")
+            self._tell("servo_back", f"servo {servo.id} answers again", "info")
         servo.misses, servo.pause_s = 0, AGAIN_FIRST_S
-        self.heard = now
+        self.heard_at = now
         self._states += 1
         error = motion.error if error is None else error
         if slow is None and error != servo.seen.error:

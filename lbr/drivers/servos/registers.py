@@ -50,7 +50,7 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
     def check(self, session: ServoSession[S, B], now: float) -> None:
         """Raise that no servo answers any more."""
         seen = session.poller.snapshot.servos.values()
-        if now - max(session.opened, session.poller.heard) > SILENT_S and all(one.reason for one in seen):
+        if now - max(session.opened, session.poller.heard_at) > SILENT_S and all(one.reason for one in seen):
             settings, babble = self.ctx.settings, session.bus.counts.babble
             said = f"babbles ({babble} bytes that mean nothing), and " if babble > NOTABLE_BYTES else ""
             raise DeviceError(
@@ -129,7 +129,7 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
         away = [servo for servo, seen in snapshot.servos.items() if seen.reason]
         return self.named(away, "cannot be used:") if away else ""
 
-    def shown(self, session: ServoSession[S, B], now: float) -> tuple[object, ...]:
+    def state_key(self, session: ServoSession[S, B], now: float) -> tuple[object, ...]:
         """Return all that is to be published at once when it changes."""
         gate = self._gate
         phase, rests = self.phase(session, now), session.rest.lasts
@@ -152,10 +152,16 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
             return
         self._estopped = True
         released = self.ctx.settings.on_estop == "release"
-        left = session.targets.unconfirmed(self._snapshot, released=released)
-        if left and now - self._asked_at >= CONFIRM_S:
+        unconfirmed = session.targets.unconfirmed(self._snapshot, released=released)
+        if unconfirmed and now - self._asked_at >= CONFIRM_S:
             self._asked_at = now
-            session.thread.submit(lambda _bus: session.poller.look(left), READ, key="confirm")
+            session.thread.submit(lambda _bus: session.poller.look(unconfirmed), READ, key="confirm")
         known = self._snapshot.searched
-        why = self.named(left, "not confirmed by") if left else "" if known else "the servos are still being looked for"
-        estop.acknowledge(stopped=known and not left, reason=why)
+        why = (
+            self.named(unconfirmed, "not confirmed by")
+            if unconfirmed
+            else ""
+            if known
+            else "the servos are still being looked for"
+        )
+        estop.acknowledge(stopped=known and not unconfirmed, reason=why)

@@ -35,9 +35,9 @@ class PolledLine(Protocol):
 
 
 class Heard(Protocol):
-    """The poller, as far as every session needs it; `heard` is the time of the last answer of any servo."""
+    """The poller, as far as every session needs it; `heard_at` is the time of the last answer of any servo."""
 
-    heard: float
+    heard_at: float
 
 
 class Session(ABC, Generic[S, L]):
@@ -76,7 +76,7 @@ class Session(ABC, Generic[S, L]):
     @property
     def hears(self) -> bool:
         """Return whether any servo was heard since the line was opened."""
-        return self.poller.heard > self.opened
+        return self.poller.heard_at > self.opened
 
     @property
     def answers(self) -> bool:

@@ -9,25 +9,25 @@ from lbr.messages.servos import BusStatistics, ServoState
 SLOW_BELIEVED_S = 5.0
 
 
-def servo_state(out: TargetState, seen: Seen, model: ServoModel, now: float) -> ServoState:
+def servo_state(target: TargetState, seen: Seen, model: ServoModel, now: float) -> ServoState:
     """Return one servo; what is older than a moment is not measured."""
     age_s = now - seen.at
     motion = seen.motion if age_s < MEASURED_S else None
     slow = seen.slow if seen.slow is not None and now - seen.slow.at < SLOW_BELIEVED_S else None
     return ServoState(
-        id=out.id,
+        id=target.id,
         position_rad=None if motion is None else round(motion.position_rad, 5),
         speed_rps=None if motion is None else round(motion.speed_rps, 4),
         load=None if motion is None else round(motion.load_fraction, 4),
-        goal_rad=None if out.goal is None or not out.on else round(model.position_rad(out.goal), 5),
-        torque=_torque(out, slow, model.full_torque),
+        goal_rad=None if target.goal is None or not target.on else round(model.position_rad(target.goal), 5),
+        torque=_torque(target, slow, model.full_torque),
         voltage_v=None if slow is None else slow.voltage_v,
         temperature_c=None if slow is None else slow.temperature_c,
         faults=model.faults(seen.error) if motion is not None else (),
-        latched=out.latched,
+        latched=target.latched,
         raw=None if motion is None else motion.position,
         age_s=measured_age(age_s),
-        reason=seen.reason or out.trouble or out.blocked,
+        reason=seen.reason or target.trouble or target.blocked,
     )
 
 

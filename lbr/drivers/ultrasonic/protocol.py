@@ -104,11 +104,11 @@ def ages_s(frame: Frame) -> dict[str, float]:
     """Return how long ago each sensor measured: they take turns, each for as long as its echo takes, and are told at
     the end."""
     turns = {name: getattr(frame, name) for name in TURNS} | frame.others
-    found, age_s = {}, LINE_S
+    ages, age_s = {}, LINE_S
     for name, cm in reversed(turns.items()):
         age_s += cm * ECHO_S_PER_CM if cm > 0 else NO_ECHO_S
-        found[name] = round(age_s, 3)
-    return dict(reversed(found.items()))
+        ages[name] = round(age_s, 3)
+    return dict(reversed(ages.items()))
 
 
 def classify(cm: int, settings: UltrasonicSettings) -> RangeStatus:

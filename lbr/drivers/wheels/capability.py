@@ -209,11 +209,11 @@ class Wheels(Capability[S], ABC):
         still."""
         message, born = received.message, received.arrived
         begun = nan if message.moving_s is None else born - message.moving_s
-        told = message.motors or {"left": message.left, "right": message.right}
+        powers_by_motor = message.motors or {"left": message.left, "right": message.right}
         if not message.motors and message.left == message.right == 0.0:
             return Setpoint(self._rest, message.lease, born, begun=begun)
-        powers = tuple(told.get(motor, nan) for motor in self.motors)
-        unnamed = next((motor for motor in self.motors if motor not in told), "")
+        powers = tuple(powers_by_motor.get(motor, nan) for motor in self.motors)
+        unnamed = next((motor for motor in self.motors if motor not in powers_by_motor), "")
         return Setpoint(powers, message.lease, born, unnamed, begun)
 
     def _inhibit(self, controller: WheelController, now: float) -> Inhibit | None:
@@ -241,7 +241,7 @@ class Wheels(Capability[S], ABC):
         if EMERGENCY_STOP in faults:
             return Inhibit(UNASKED, fault=True)
         grave = controller.grave
-        return Inhibit(_said(grave), fault=True) if grave else None
+        return Inhibit(_fault_sentence(grave), fault=True) if grave else None
 
     def _held_up(self, controller: WheelController, now: float) -> Inhibit | None:
         """After a pause longer than a setpoint lives, of its own or of the controller's, the next one begins with zero:
@@ -294,7 +294,7 @@ class Wheels(Capability[S], ABC):
     def _tell_faults(self, faults: tuple[str, ...]) -> None:
         self._faults = faults
         if faults:
-            self.ctx.event("fault", _said(faults), level="error", data={"faults": list(faults)})
+            self.ctx.event("fault", _fault_sentence(faults), level="error", data={"faults": list(faults)})
         else:
             self.ctx.event("fault", "the controller reports no fault any more")
 
@@ -302,7 +302,7 @@ class Wheels(Capability[S], ABC):
         """Say whether it is ready: not with a fault, nor before its guard listens, since until then no wheel turns."""
         lacks = None
         if self._faults:
-            lacks = Reason("latched", _said(self._faults))
+            lacks = Reason("latched", _fault_sentence(self._faults))
         elif self._guard is not None and not self._guard.listens:
             lacks = Reason("not_ready", GUARD_STARTS)
         if lacks != self._lacks:
@@ -323,7 +323,7 @@ class Wheels(Capability[S], ABC):
         self._tell_trip(before)
 
     def _publish_when_due(self, controller: WheelController) -> None:
-        shown = (
+        key = (
             self._arming.armed,
             self._arming.reason,
             self._arming.trips,
@@ -335,8 +335,8 @@ class Wheels(Capability[S], ABC):
         period_s = RESTING_PERIOD_S if self._rests else STANDING_PERIOD_S if self._stands else PUBLISH_PERIOD_S
         if self._rests and not _near(_counts(controller.measured()), _counts(self._told)):
             period_s = 0.0
-        if shown != self._shown or not self.ctx.clock() - self._published < period_s:
-            self._shown = shown
+        if key != self._shown or not self.ctx.clock() - self._published < period_s:
+            self._shown = key
             self._publish()
 
     def _publish(self) -> None:
@@ -395,7 +395,7 @@ def _near(counts: tuple[int | None, ...], before: tuple[int | None, ...]) -> boo
     return same and len(counts) == len(before)
 
 
-def _said(faults: Sequence[str]) -> str:
+def _fault_sentence(faults: Sequence[str]) -> str:
     return UNASKED if EMERGENCY_STOP in faults else f"the controller reports {', '.join(faults)}"
 
 

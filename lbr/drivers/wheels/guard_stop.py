@@ -53,13 +53,13 @@ def stopped(line: int, stop: bytes, acknowledged: bytes) -> bool:
         termios.tcflush(line, termios.TCIOFLUSH)
     with suppress(OSError):
         os.write(line, stop)
-        while not heard(answer, acknowledged) and (left_s := until - time.monotonic()) > 0.0:
+        while not is_acknowledged(answer, acknowledged) and (left_s := until - time.monotonic()) > 0.0:
             if select.select([line], [], [], left_s)[0]:
                 answer = (answer + os.read(line, KEPT_BYTES))[-KEPT_BYTES:]
-    return heard(answer, acknowledged)
+    return is_acknowledged(answer, acknowledged)
 
 
-def heard(answer: bytes, acknowledged: bytes) -> bool:
+def is_acknowledged(answer: bytes, acknowledged: bytes) -> bool:
     """Return whether an answer holds the acknowledgement; a controller that gives none is never believed."""
     return bool(acknowledged) and acknowledged in answer
 

@@ -60,7 +60,7 @@ class Rig:
         self.told = []
         self.poller = Poller(
             self.fuzzer.servos, lambda: self.line.now, 0.05, policy, together,
-            moving=lambda _servo: moving, told=lambda *event: self.told.append(event),
+            moving=lambda _servo: moving, tell=lambda *event: self.told.append(event),
         )  # fmt: skip
         self.poller.reading = True
         self.wrong = []

@@ -139,7 +139,7 @@ class ProtocolBus:
 
     def ask_each(self, request: bytes, servos: Sequence[int], count: int) -> dict[int, Status]:
         """Send one request that each of these servos answers in its turn, and return what came in time."""
-        found: dict[int, Status] = {}
+        answers: dict[int, Status] = {}
         parser, line = StatusParser(), self._line
         self.cut_short = False
         if self._wary_until:
@@ -147,19 +147,19 @@ class ProtocolBus:
         line.send(request)
         answers_bytes = (packet.OVERHEAD_BYTES + count) * len(servos)
         until = self._clock() + line.busy_s(len(request), answers_bytes, len(servos)) + line.margin_s
-        while len(found) < len(servos) and (left_s := until - self._clock()) > 0.0:
+        while len(answers) < len(servos) and (left_s := until - self._clock()) > 0.0:
             data = line.receive(min(LISTEN_SLICE_S, left_s))
             for status in parser.feed(data):
-                if status.id in servos and status.id not in found and len(status.params) == count:
-                    found[status.id] = status
+                if status.id in servos and status.id not in answers and len(status.params) == count:
+                    answers[status.id] = status
                 else:
                     self.counts.strays += 1
             if not data and self._urgent():
                 self.cut_short = True
                 break
         self.counts.babble += parser.noise - len(request) * self.echo
-        self._miss([servo for servo in servos if servo not in found], count)
-        return found
+        self._miss([servo for servo in servos if servo not in answers], count)
+        return answers
 
     def drain(self) -> None:
         """Throw away what came unasked, and notice a line that is gone."""
@@ -193,11 +193,11 @@ class ProtocolBus:
         until = self._clock() + within_s
         while True:
             rest = self._without_echo(data, question)
-            found = packet_in(rest, question)
-            if found is not None:
+            packet_bytes = packet_in(rest, question)
+            if packet_bytes is not None:
                 if len(rest) > question.size:
-                    self._judge(rest.replace(found, b"", 1), question)
-                return found
+                    self._judge(rest.replace(packet_bytes, b"", 1), question)
+                return packet_bytes
             left_s = until - self._clock() if data else 0.0
             if len(rest) >= question.size:
                 left_s = min(left_s, QUIET_S)

@@ -86,21 +86,21 @@ class StatusParser:
     def feed(self, data: bytes) -> list[Status]:
         """Return the status packets that these bytes complete."""
         self._held += data
-        found: list[Status] = []
+        packets: list[Status] = []
         at = 0
         while (at := self._candidate(at)) + 4 <= len(self._held):
             end = at + self._held[at + 3] + 4
             if end > len(self._held):
                 break
             if sum(self._held[at + 2 : end]) & 0xFF == 0xFF:
-                found.append(Status(self._held[at + 2], self._held[at + 4], bytes(self._held[at + 5 : end - 1])))
+                packets.append(Status(self._held[at + 2], self._held[at + 4], bytes(self._held[at + 5 : end - 1])))
                 at = end
             else:
                 self.corrupt += 1
                 self.noise += 1
                 at += 1
         del self._held[:at]
-        return found
+        return packets
 
     def reset(self) -> None:
         """Forget a packet begun."""

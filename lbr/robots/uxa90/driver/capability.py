@@ -106,10 +106,10 @@ class Uxa90(Servos[Uxa90Settings, Session]):
         if heard and self._unheard:
             self._unheard = False
             self._begin_anew(session, "servos were told unheard, and answer now")
-        silent_s = now - max(poller.heard, self._passed_since)
+        silent_s = now - max(poller.heard_at, self._passed_since)
         if not session.mute or silent_s < SILENT_S or now - self._retaken_at < RETAKE_S:
             return
-        if not self.answers() or (heard and poller.heard <= self._retaken_at):
+        if not self.answers() or (heard and poller.heard_at <= self._retaken_at):
             self._contact_lost = CONTACT
             more = " any more" if heard else ""
             raise DeviceError(
@@ -157,7 +157,7 @@ class Uxa90(Servos[Uxa90Settings, Session]):
         """Say why no setpoint would be applied, or nothing."""
         return super().inhibited() or ("" if self._known else LOOKED_FOR)
 
-    def shown(self, session: Session, now: float) -> tuple[object, ...]:
+    def state_key(self, session: Session, now: float) -> tuple[object, ...]:
         """Return all that is to be published at once when it changes; the main board's mode first."""
         gate, stored = self._gate, session.controller.plays.state()
         rests = session.rest.lasts

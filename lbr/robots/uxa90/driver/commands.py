@@ -34,7 +34,7 @@ class Commands:
         if busy := _busy(session):
             call.refuse(busy, "busy")
             return
-        if controller.mode.pc and self._ctx.clock() - session.poller.heard < PROVEN_S:
+        if controller.mode.pc and self._ctx.clock() - session.poller.heard_at < PROVEN_S:
             session.thread.submit(lambda bus: bus.say(TAKE_CONTROL), STOP, "control")  # it was asked for; no pause
         else:
             controller.take(again=True)

@@ -44,7 +44,7 @@ class Poller:
         together: int,
         *,
         moving: Callable[[int], bool] = lambda _servo: True,
-        told: Callable[[str, str, str], None] = lambda _kind, _text, _level: None,
+        tell: Callable[[str, str, str], None] = lambda _kind, _text, _level: None,
         rest: Rest | None = None,
         rest_period_s: float = 0.0,
     ) -> None:
@@ -53,7 +53,7 @@ class Poller:
         self.ended = -inf
         self.sweep_s = 0.0
         self.sweeps_hz = self.states_hz = 0.0
-        self.heard = -inf
+        self.heard_at = -inf
         self.reading = False
         self._servos = {servo: _Servo() for servo in servos}
         self._clock = clock
@@ -61,7 +61,7 @@ class Poller:
         self._policy = policy
         self._together = together
         self._moving = moving
-        self._told = told
+        self._tell = tell
         self._rest = rest or Rest(clock)
         self._rest_period_s = rest_period_s
         self._groups: deque[list[int]] = deque()
@@ -124,7 +124,7 @@ class Poller:
                 self._servos[servo].misses, self._servos[servo].pause_s = 0, AGAIN_FIRST_S
                 self._rest.look(servo, position_rad(answer.position), answer.load / (HEAD - 1))
                 self._states += 1
-                self.heard = at
+                self.heard_at = at
 
     def _all_since(self, when: float) -> bool:
         return all(seen.raw_at >= when or self._servos[servo].misses >= MISSES for servo, seen in self.seen.items())
@@ -176,7 +176,7 @@ class Poller:
                 self._apart_well += 1
                 if self._apart_well >= BETTER_ALONE:
                     self._together = 1
-                    self._told(
+                    self._tell(
                         "one_by_one", "servos do not answer several questions in one write; asking singly", "info"
                     )
 

@@ -67,7 +67,7 @@ class Session(session.Session[Uxa90Settings, Bus]):
             settings.trust,
             settings.together,
             moving=self._moving,
-            told=tell,
+            tell=tell,
             rest=self.rest,
             rest_period_s=max(period_s, 1.0 / settings.rest_hz),
         )
