@@ -14,9 +14,9 @@ WORKS = "works"
 """The line that it prints once it does."""
 
 
-def started(bench: dict[str, Any]) -> "subprocess.Popen[str]":
-    """Start the driver of a bench, given as JSON; it dies with this process."""
-    argv = dying_with_parent((sys.executable, "-m", PROGRAM, json.dumps(bench)))
+def started(bench: dict[str, Any], program: str = PROGRAM) -> "subprocess.Popen[str]":
+    """Start the driver of a bench, given as JSON, by a module; it dies with this process."""
+    argv = dying_with_parent((sys.executable, "-m", program, json.dumps(bench)))
     return subprocess.Popen(argv, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True)
 
 

@@ -9,7 +9,6 @@ It looks at what the twin's motors do, not at what the driver says of them.
 """
 
 import json
-import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -20,14 +19,13 @@ from threading import Lock
 from typing import Any
 
 from lbr.capability.context import Device
-from lbr.capability.die_with_parent import dying_with_parent
 from lbr.capability.kind import Kind
 from lbr.capability.registry import find
 from lbr.messages.joints import Joint
 from lbr.messages.servos import ServoGoal, ServoSetpoint, ServosState
 from lbr.simulation.measured import ServoFelt
 from lbr.simulation.twins import ServoBus, Twin
-from lbr.testing import driver
+from lbr.testing import driver, driver_process
 from lbr.testing.device import SUPPLY_V, Plugged, elsewhere, plugged
 from lbr.testing.driver import WITHIN_S, DriverBench
 
@@ -310,24 +308,17 @@ def is_outlived_by_its_guard(servos: ServosBench) -> None:
 
     The driver runs in a process of its own, so the kind is to be installed.
     """
-    bench_json = {"kind": servos.kind.name, "ids": servos.ids, "row": {**servos.row, "guard": True}}
-    place = {
-        "name": servos.device.device.name,
-        "type": servos.device.device.type,
-        "address": servos.device.device.address,
-    }
-    argv = dying_with_parent((sys.executable, "-m", "lbr.testing.servos", json.dumps({**bench_json, "device": place})))
+    row = {**servos.row, "guard": True}
     began = servos.shafts.at()
-    process = subprocess.Popen(argv, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    process = driver_process.started({**servos.as_json(), "ids": servos.ids, "row": row}, "lbr.testing.servos")
     try:
-        end = time.monotonic() + 2.0 * WITHIN_S
+        driver_process.wait_until_it_works(process, 2.0 * WITHIN_S)
+        end = time.monotonic() + WITHIN_S
         while servos.moved_rad(began) < 0.2:
-            assert process.poll() is None, f"the driver's process ended: {process.communicate()[1][-1000:]}"
             assert time.monotonic() < end, "nothing moved"
             time.sleep(0.005)
     finally:
-        process.kill()
-        process.communicate()
+        driver_process.kill(process)
     killed = time.monotonic()
     time.sleep(HOLD_S / 2.0)
     stood = servos.shafts.at()
@@ -385,11 +376,12 @@ def _let_go_in_time(servos: ServosBench, since: float, stood: Mapping[int, float
 def _drive_until_killed(bench_json: Mapping[str, Any]) -> None:
     kind = find(bench_json["kind"], Path("/nonexistent"))
     shafts = Shafts(bench_json["ids"])
-    servos = ServosBench(kind, bench_json["row"], elsewhere(Device(**bench_json["device"], settings={})), shafts)
+    servos = ServosBench(kind, bench_json["row"], elsewhere(Device(**bench_json["device"])), shafts)
     servos.works()
     servos.stay()
     servos.until(lambda: servos.state.phase == "following" and _torque_known(servos), "torque")
     servos.turn(1.0)
+    print(driver_process.WORKS, flush=True)
     while True:
         servos.steps(WATCHED_S)
 

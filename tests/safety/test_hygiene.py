@@ -1,6 +1,5 @@
 """Loops that move something do nothing that takes long once they are ready, and nothing they do is without bound."""
 
-import json
 import textwrap
 import time
 from contextlib import suppress
@@ -117,14 +116,3 @@ def test_a_flood_of_commands_takes_the_base_from_nobody_and_holds_up_no_stop(run
     assert [answer for answer in answers if not (answer and answer["accepted"])] == []
     assert stopped
     assert stopped["accepted"]
-
-
-def test_a_crash_loop_is_given_up_visibly(running: Bench):
-    settings = json.dumps({"argv": ["/bin/false"]})
-    robot = running.robot
-    robot.edit("INSERT INTO capability (robot, name, kind, settings) VALUES ('lbr', 'bad', 'exec', ?)", settings)
-    until(lambda: robot.capability("bad")["phase"] == "failed")
-    bad = robot.capability("bad")
-    assert "crashed 6 times within 30 s; given up" in bad["reason"]
-    assert bad["last_end"] == bad["reason"]
-    assert any(event["text"] == bad["reason"] for event in robot.events())

@@ -12,12 +12,8 @@ from PIL import Image
 
 from lbr.capability.context import Device
 from lbr.simulation.balls import Ball
-from lbr.simulation.cameras.studio import Studio
-from lbr.simulation.cameras.view import SharedView
-from lbr.simulation.devices.camera import CameraFaults
 from lbr.simulation.humanoid import KIND
 from lbr.simulation.humanoid.capability import HumanoidWorld
-from lbr.simulation.physics import unpacked
 from lbr.simulation.requests import BallRequest, PickUpRequest, PictureRequest
 from lbr.testing import FakeCall
 from tests.models.uxa90.robot import humanoid, joints, settings
@@ -77,35 +73,6 @@ def stage(tmp_path_factory):
     made.over.set()
     made.thread.join()
     made.world.close()
-
-
-def looked(engine, studio, view):
-    """What its head sees a moment later."""
-    engine.step({}, 0.04)
-    view.write(engine.view(), round(engine.time_s * 1e9))
-    studio.newest_ns()
-    return orange(studio.picture("head_camera", "head", (160, 120), CameraFaults()))
-
-
-@pytest.mark.parametrize("use_gl", [True, False])
-def test_its_head_sees_the_ball_where_it_is_put(use_gl):
-    engine = humanoid()
-    view = SharedView(len(engine.view()))
-    studio = Studio(unpacked(engine.packed()), view, use_gl=use_gl)
-    seen = {}
-    for name, where in (("left", (1.0, 0.2)), ("right", (1.0, -0.2)), ("far", (2.0, 0.0))):
-        engine.balls.put(BallRequest(x_m=where[0], y_m=where[1], z_m=0.6))
-        seen[name] = looked(engine, studio, view)
-    engine.balls.put(BallRequest(gone=True))
-    assert looked(engine, studio, view) is None
-    engine.balls.put(BallRequest())
-    assert looked(engine, studio, view) is not None
-    assert seen["left"][0] < -0.1
-    assert seen["right"][0] == pytest.approx(-seen["left"][0], abs=0.03)
-    assert abs(seen["far"][0]) < 0.03
-    assert seen["far"][2] < 0.5 * seen["left"][2]
-    studio.close()
-    view.close()
 
 
 @pytest.mark.parametrize(("path", "reach"), [("rest", (0.0, 0.0)), ("to_and_fro", (0.4, 0.0)), ("circle", (0.4, 0.4))])

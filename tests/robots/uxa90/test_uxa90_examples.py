@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.docs.pages import ROOT
-from tests.fuzzing.rest_cases import ask_all, on_the_wire, served
+from tests.fuzzing.rest_cases import served
 from tests.support.uxa90_wire import chunks, packets
 from tests.support.waiting import until
 
@@ -218,17 +218,6 @@ def test_all_motors_at_once_leave_in_one_write(api):
     assert set(places) in api.written(before)  # all of them change, by their torque already
 
 
-def test_26_a_delay_is_a_job(api):
-    api.idle()
-    before = len(api.read())
-    answer = api.ask("GET", "/multimotor", '{"motors":[{"id":23,"pos":220,"torq":9,"delay":400}]}').json()
-    assert answer["multiMsg"] == {"positions": [{"id": 23, "pos": 220, "torq": 4, "delay": 400}]}
-    assert api.ask("GET", f"/jobs/{answer['job']}").json()["data"]["state"] == "waiting"
-    assert _last(api.moves(before), "FF 97 DC 4B") is None
-    api.reach("FF 97 DC 4B", before, "GET", "/motor?id=23&pos=220&torq=4")
-    assert api.ask("GET", f"/jobs/{answer['job']}").json()["data"]["state"] == "done"
-
-
 @pytest.mark.parametrize(("method", "url"), [("POST", "/motor"), ("GET", "/nope"), ("DELETE", "/motion/4")])
 def test_30_what_there_is_not_is_a_page_that_says_so(api, method, url):
     answer = api.ask(method, url)
@@ -250,20 +239,6 @@ def test_a_head_request_moves_nothing(api):
     assert api.ask("HEAD", "/motion/4").status_code == 405
     assert api.ask("HEAD", "/motor?id=23").status_code == 200
     assert _last(api.moves(before), "FF 17") is None
-
-
-def test_while_a_motion_plays_motors_and_motions_are_refused(api):
-    api.idle()
-    assert api.ask("GET", "/motion/12").status_code == 200
-    for url in ("/motor?id=23&pos=30", "/motion/4"):
-        answer = api.ask("GET", url)
-        assert answer.status_code == 409
-        assert answer.json()["message"].startswith("busy: 'demo_introduction' plays for another ")
-    assert api.ask("POST", "/stop").status_code == 200
-    until(
-        lambda: api.ask("GET", "/motor?id=23&pos=30").status_code == 200,
-        what="a motor that may move again",
-    )
 
 
 def test_a_motion_of_key_frames_can_be_made_and_played(api):
@@ -299,13 +274,6 @@ def test_the_page_says_what_is_answered(api):
         said = answer.text.replace(f'"job":"{job}"', '"job":"1"').replace(f'{{"id":"{job}"', '{"id":"1"')
         pattern = re.escape(reply).replace('"…"', "[^,}]+").replace("…", ".*")
         assert re.fullmatch(pattern, said), (url, said)
-
-
-def test_generated_requests_find_nothing_wrong(api):
-    """The whole amount is `python -m benchmarks rest_cases`."""
-    tally = ask_all(api.client, 60)
-    assert tally.wrong == [], "\n".join(map(str, tally.wrong))
-    assert on_the_wire(api.trace)[1] == []
 
 
 def _last(moves, like):
