@@ -22,7 +22,7 @@ from lbr.messages.codes import Reason
 from lbr.messages.drive import LoopStatistics
 from lbr.operations.statistics import Beat, LoopMeter
 
-Answers = Mapping[str, Any] | None
+Answers = Mapping[str, object] | None
 MOST_WAITING = 16
 
 
@@ -57,7 +57,7 @@ class LeasingCapability(Capability[S], Generic[S, L]):
     ends: str
     driver: str = ""
     feeds: tuple[str, ...] = ()
-    tick: Any
+    tick: object
     _state: L
     _loop: LoopStatistics | None = None
 
@@ -93,17 +93,17 @@ class LeasingCapability(Capability[S], Generic[S, L]):
     def hear(self) -> None:
         """Take in what came on other inputs than the driver's."""
 
-    def driver_seen(self, received: Received) -> Any:
+    def driver_seen(self, received: Received) -> object:
         """Return the event that the driver said how it is."""
         del received
         return self.tick
 
-    def driver_lost(self, names: str) -> Any:
+    def driver_lost(self, names: str) -> object:
         """Return the event that the driver is gone."""
         del names
         return self.tick
 
-    def holder_gone(self, holder: str) -> Any:
+    def holder_gone(self, holder: str) -> object:
         """Return the event that the process of a holder is gone."""
         why = f"the process of {holder} is gone"
         return Stop(source=holder, received=self.ctx.clock(), reason=why, lost=True)

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from functools import partial
 from math import inf
-from typing import Any
 
 from lbr.capability.context import Call, Context, Received
 from lbr.messages.codes import Reason
@@ -39,8 +38,8 @@ RESTING_HZ = 2.0
 RESTS_AFTER_S = 0.5
 """Zero goes on at the rate of a motion for so long after it, so that no lost message leaves the base moving."""
 MOTIONS = frozenset({"command", "turn", "heading", "twist"})
-NO_ANSWERS: Mapping[str, Any] = {}
-UNANSWERED: Mapping[str, Any] = {"(none in time)": None}
+NO_ANSWERS: Mapping[str, object] = {}
+UNANSWERED: Mapping[str, object] = {"(none in time)": None}
 
 
 class Drive(LeasingCapability[DriveSettings, State]):

@@ -123,7 +123,7 @@ class Power(Capability[PowerSettings]):
         watch = self._watch
         match task:
             case "park":
-                self._parking = Parking(self.ctx, self.ctx.settings)
+                self._parking = Parking(self.ctx)
             case "stop_parking":
                 self._stop_parking()
             case "power_off" if self._pretends:

@@ -8,7 +8,10 @@ import asyncio
 import threading
 from collections.abc import Callable
 from queue import SimpleQueue
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+if TYPE_CHECKING:
+    from dbus_fast import Message
 
 Question = Literal["CanPowerOff", "PowerOff"]
 
@@ -100,8 +103,8 @@ async def _call(address: str, question: Question) -> Answer | str:
         bus.disconnect()
 
 
-def _refused(reply: Any) -> str:
-    name = str(getattr(reply, "error_name", "") or "no answer")
+def _refused(reply: "Message | None") -> str:
+    name = (reply.error_name if reply is not None else "") or "no answer"
     text = str(reply.body[0]) if reply is not None and reply.body else ""
     if name.rpartition(".")[2] in DENIED:
         return f"polkit does not let this user power off ({text or name}); {HOW}"

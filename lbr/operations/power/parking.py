@@ -1,8 +1,6 @@
 """Bringing the robot down before the power goes: a motion under a lease that is renewed, then its joints are
 released."""
 
-from typing import Any
-
 from lbr.capability.context import Context
 from lbr.leases.client import ANSWER_S, LeaseTarget, PendingReply
 from lbr.leases.holder import Holder
@@ -22,11 +20,11 @@ AGAIN_S = 0.2
 class Parking:
     """One parking. `done` once nothing is left to do; `trouble` is what did not go well, in words."""
 
-    def __init__(self, ctx: Context[Any], settings: PowerSettings) -> None:
+    def __init__(self, ctx: Context[PowerSettings]) -> None:
         self.done = False
         self.trouble = ""
         self._ctx = ctx
-        self._settings = settings
+        self._settings = settings = ctx.settings
         self._until = ctx.clock() + settings.park_s
         self._holder = Holder(ctx, renewal=PlayCommand(motion=settings.park_motion or "none"))
         self._asked: PendingReply | None = None
