@@ -33,7 +33,7 @@ def test_start_up_moves_nothing_and_switches_nothing_on():
 
 def test_nothing_is_said_to_servos_that_were_never_heard(wording):
     bench = Bench().run(0.5, hear=False)
-    assert bench.setpoint is None
+    assert (bench.setpoint, joints_state(bench.state, bench.now).sequence) == (None, 0)
     wording(bench.command(SLOW))
 
 
@@ -586,6 +586,7 @@ def test_a_joint_that_cannot_be_held_stays_without_torque(joints, more, code, ab
     others = bench.torque(on=True)
     assert others.accepted
     assert "head_yaw" in others.reason
+    assert "more" not in others.reason, "all three are named"
     assert set(bench.goals) == set(NAMES) - {"left_knee", "right_knee", "head_yaw"}
 
 
