@@ -167,29 +167,13 @@ def _serial() -> Iterator[Finding]:
     ports = sorted(Path("/dev/serial/by-id").glob("*")) if Path("/dev/serial/by-id").exists() else []
     text = ", ".join(port.name for port in ports) or "none plugged in"
     yield Finding(about="serial ports", level="good", text=text)
-    groups = {grp.getgrgid(gid).gr_name for gid in os.getgroups() if _has_group(gid)}
-    known = [name for name in SERIAL_GROUPS if _group_named(name)]
-    if os.getuid() == 0 or not known or groups & set(known):
+    groups = {group.gr_name: group.gr_gid for group in grp.getgrall()}
+    known = [name for name in SERIAL_GROUPS if name in groups]
+    if os.getuid() == 0 or not known or any(groups[name] in os.getgroups() for name in known):
         yield Finding(about="serial rights", level="good", text="serial ports may be opened")
     else:
         do = f"sudo usermod -aG {known[0]} $USER, then log in again"
         yield Finding(about="serial rights", level="hint", text=f"you are not in the group '{known[0]}'", do=do)
-
-
-def _has_group(gid: int) -> bool:
-    try:
-        grp.getgrgid(gid)
-    except KeyError:
-        return False
-    return True
-
-
-def _group_named(name: str) -> bool:
-    try:
-        grp.getgrnam(name)
-    except KeyError:
-        return False
-    return True
 
 
 def _governor() -> Iterator[Finding]:

@@ -7,8 +7,9 @@ import click
 from lbr import home
 from lbr.commands.options import FileName, Whom, json_option, print_json, robot_options
 from lbr.commands.rows import opened, robot_in, with_words
+from lbr.commands.speaking import speaking
 from lbr.commands.status import ask
-from lbr.console import operator, target, wiring
+from lbr.console import target, wiring
 from lbr.console.wiring import Graph
 from lbr.errors import BusError, InputError
 
@@ -34,11 +35,7 @@ def command(whom: Whom, database: Path | None, as_dot: bool, as_json: bool) -> i
 
 
 def _elsewhere(whom: Whom) -> Graph:
-    found = target.find(*whom)
-    with target.connected(found) as bus:
-        said = operator.BusOperator(
-            bus, found.robot, target.source("lbr graph"), role=found.role, proof=found.proof, listen=False
-        )
+    with speaking(target.find(*whom), "lbr graph") as said:
         result = said.submit("/report/wiring")
     if result.code != 0:
         raise BusError(result.text)

@@ -4,6 +4,7 @@ import importlib.util
 import keyword
 import os
 import re
+import shlex
 import shutil
 import string
 import sys
@@ -90,9 +91,9 @@ def next_steps(template: What, name: str, folder: Path) -> tuple[str, ...]:
     typed = f"./{folder}" if not folder.is_absolute() and folder.parts[0] != ".." else str(folder)
     page = {"robot": "robot_packages", "capability": "capabilities"}.get(template, "drivers")
     return (
-        f"{tools}pip install -e {_quoted(f'{typed}{extra}')}",
+        f"{tools}pip install -e {shlex.quote(f'{typed}{extra}')}",
         f"{tools}lbr run {name.replace('_', '-')}-sim",
-        f"{tools}pytest {_quoted(typed)}",
+        f"{tools}pytest {shlex.quote(typed)}",
         f"{typed}/README.md says what each file is, docs/{page}.md of lbr all the rest",
     )
 
@@ -176,7 +177,3 @@ def _tools() -> str:
     with suppress(ValueError):
         return f"{folder.relative_to(Path.cwd())}/"
     return f"{folder}/"
-
-
-def _quoted(text: str) -> str:
-    return text if re.fullmatch(r"[\w./-]+", text) else "'" + text.replace("'", "'\\''") + "'"

@@ -2,17 +2,15 @@
 
 import sys
 import time
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from contextlib import contextmanager
 
 import click
 
 from lbr import home
 from lbr.commands.completing import complete_line
 from lbr.commands.options import Number, Whom, json_option, print_json, robot_options
+from lbr.commands.speaking import speaking
 from lbr.console import lines, printable, stops, target
-from lbr.console.operator import BusOperator
 from lbr.console.target import Target
 from lbr.errors import InputError, LbrError
 from lbr.messages.plain import one_line
@@ -65,7 +63,7 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, wait_s: float, as
     found, *others = target.find_to_stop(*whom) if stops.is_stop(line) else [target.find(*whom)]
     if others:
         return _stop_all([found, *others], line, as_json)
-    with _speaking(found) as said:
+    with speaking(found, "lbr send") as said:
         result, code, ending = lines.say_once(said, line, hold_s=hold_s, announce=announce)
     if as_json:
         print_json(
@@ -113,20 +111,7 @@ def _stop_all(robots: list[Target], line: str, as_json: bool) -> int:
 
 def _result(robot: Target, line: str) -> ConsoleResult:
     try:
-        with _speaking(robot) as said:
+        with speaking(robot, "lbr send") as said:
             return said.submit(line)
     except LbrError as err:
         return ConsoleResult(code=1, text=str(err))
-
-
-@contextmanager
-def _speaking(robot: Target) -> Iterator[BusOperator]:
-    """Connect to a robot as an operator that sends lines."""
-    with target.connected(robot) as bus:
-        speaker = BusOperator(
-            bus, robot.robot, target.source("lbr send"), role=robot.role, proof=robot.proof, listen=False
-        )
-        try:
-            yield speaker
-        finally:
-            speaker.close()

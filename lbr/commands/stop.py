@@ -9,7 +9,8 @@ import click
 
 from lbr import home
 from lbr.commands.options import Whom, robot_options
-from lbr.console import operator, target
+from lbr.commands.speaking import speaking
+from lbr.console import target
 from lbr.errors import BusError
 
 GONE_S = 15.0
@@ -32,10 +33,7 @@ def command(whom: Whom) -> int:
             time.sleep(POLL_S)
         click.echo(f"robot '{robot.robot}' has shut down")
         return 0
-    with target.connected(robot) as bus:
-        speaker = operator.BusOperator(
-            bus, robot.robot, target.source("lbr stop"), role=robot.role, proof=robot.proof, listen=False
-        )
+    with speaking(robot, "lbr stop") as speaker:
         result = speaker.submit("Shutdown")
     click.echo(result.text, err=result.code != 0)
     return result.code

@@ -1,6 +1,5 @@
 """`lbr why`."""
 
-import threading
 import time
 from pathlib import Path
 
@@ -9,17 +8,17 @@ import msgspec
 from click.shell_completion import CompletionItem
 
 from lbr import home
-from lbr.bus import keys, wire
 from lbr.commands.options import DEFAULT_PROFILE, FileName, Whom, json_option, print_json, robot_options
 from lbr.commands.rows import opened, planned
+from lbr.commands.speaking import speaking
 from lbr.console import target
-from lbr.console.printable import clean, short
+from lbr.console.printable import short
 from lbr.console.target import Target
 from lbr.errors import BusError, InputError
 from lbr.executive.planning import facts, profile
 from lbr.executive.planning.watch import loaded
 from lbr.messages.plain import one_line
-from lbr.messages.system import ConsoleResult, Event
+from lbr.messages.system import Event
 from lbr.messages.why import Chain
 from lbr.why import chain, telling
 from lbr.why.chain import explain
@@ -66,37 +65,17 @@ def ask(part: str, whom: Whom, database: Path | None) -> Chain:
     if not runs and not whom.connect:
         return explain(_dead(part, whom.robot, database or home.default_database()), part)
     try:
-        if (answer := _answer(target.find(*whom), part)) is not None:
-            return answer
+        return _answer(target.find(*whom), part)
     except BusError:
         if whom.connect or len(runs) != 1:
             raise
-    if whom.connect:
-        raise BusError(f"the robot at {whom.connect} does not answer")
     return explain(_silent(runs[0], time.monotonic() - began), part)
 
 
-def _answer(robot: Target, part: str) -> Chain | None:
-    """Return the robot's own answer; None if it does not answer in time."""
-    line, source, answered = clean(f"why {part}"), target.source("lbr why"), threading.Event()
-    with target.connected(robot) as bus:
-        question = wire.PendingQuery(
-            bus,
-            keys.console(robot.robot, robot.role),
-            line.encode(),
-            timeout_s=ANSWER_S,
-            source=source,
-            proof=robot.proof,
-            wake=answered.set,
-        )
-        until = time.monotonic() + ANSWER_S
-        while not (question.done or question.replies) and time.monotonic() < until:
-            answered.wait(max(0.0, until - time.monotonic()))
-            answered.clear()
-        answers = list(question.replies)
-    if not answers:
-        return None
-    result = msgspec.json.decode(answers[0].payload, type=ConsoleResult)
+def _answer(robot: Target, part: str) -> Chain:
+    """Return the robot's own answer; BusError if it does not answer in time."""
+    with speaking(robot, "lbr why", answers_within_s=ANSWER_S) as speaker:
+        result = speaker.submit(f"why {part}")
     if result.code != 0:
         raise InputError(result.text, result.reason_code or "refused")  # type: ignore[arg-type]
     return msgspec.convert(result.data, Chain)

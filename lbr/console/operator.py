@@ -78,6 +78,7 @@ class BusOperator:
         submit: Callable[[str, float], ConsoleResult] | None = None,
         streams: Session | None = None,
         listen: bool = True,
+        answers_within_s: float = LINE_TIMEOUT_S,
         on_end: Callable[[str, Ending], None] = lambda _line, _ending: None,
         wake: Callable[[], None] = lambda: None,
     ) -> None:
@@ -89,6 +90,7 @@ class BusOperator:
         self._role = role
         self._proof = proof
         self._submit = submit or self._ask
+        self._answers_within_s = answers_within_s
         self._lock = threading.Lock()
         self._said = 0
         self._news = EventFilter(source)
@@ -218,7 +220,7 @@ class BusOperator:
             self._session,
             keys.console(self.robot, self._role),
             line.encode(),
-            timeout_s=STOP_TIMEOUT_S if is_stop(line) else LINE_TIMEOUT_S,
+            timeout_s=STOP_TIMEOUT_S if is_stop(line) else self._answers_within_s,
             source=self._source,
             proof=self._proof,
             waited_s=waited_s,
