@@ -73,11 +73,10 @@ def propose(
     for _ in range(TRIES):
         with database.reading() as connection:
             seen = Seen.by(connection)
-            known = adopted.problems(connection, seen.revision, adopted.digest(seen.tables))
         _refuse_other(seen.revision, expected)
         made = wanted(seen.tables, seen.schema)
         after = changes.applied(seen.tables, seen.schema, made)
-        problems = tuple(_in_the_way(seen, after, judge, robot, known, mending=mending)) if made or not mending else ()
+        problems = tuple(_in_the_way(seen, after, judge, robot, mending=mending)) if made or not mending else ()
         proposed = Proposed(before=seen.revision, revision=seen.revision, changes=made, problems=problems)
         if problems or not made:
             return proposed
@@ -119,9 +118,7 @@ def command(
     return propose(database, wanted, judge, expected=expected, text=text, dry_run=dry_run, write=write)
 
 
-def _in_the_way(
-    seen: Seen, after: RawTables, judge: Judge, robot: str | None, known: Sequence[Problem], *, mending: bool
-) -> Iterator[Problem]:
+def _in_the_way(seen: Seen, after: RawTables, judge: Judge, robot: str | None, *, mending: bool) -> Iterator[Problem]:
     """Yield the problems of the rows `after`, and one for each latched robot that would be removed."""
     robots = {row["name"]: row for row in seen.tables.get(ROBOT, ())}
     stays = [row["name"] for row in after.get(ROBOT, ())]
@@ -131,8 +128,8 @@ def _in_the_way(
             yield Problem(ROBOT, name, "estop_engaged", text)
     reported: set[Problem] = set()
     for name in stays if robot is None else (robot,):
-        now = list(judge(seen.rows(name, after, problems=known)))
-        was = list(judge(seen.rows(name, problems=known))) if now and mending and name in robots else []
+        now = list(judge(seen.rows(name, after)))
+        was = list(judge(seen.rows(name))) if now and mending and name in robots else []
         for problem in now:
             if problem not in was and problem not in reported:
                 reported.add(problem)

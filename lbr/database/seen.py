@@ -1,6 +1,5 @@
 """The rows of all robots, as one transaction reads them, and what an edit would make of them: judged outside of it."""
 
-from collections.abc import Iterable
 from typing import NamedTuple, Self
 
 from msgspec.structs import replace
@@ -14,21 +13,25 @@ from lbr.database.tables import Schema, read_tables
 
 
 class Seen(NamedTuple):
-    """Tables and tokens of a revision."""
+    """Tables and tokens of a revision, with the digest of the rows, and the problem if others ran as this revision."""
 
     tables: RawTables
     schema: Schema
     tokens: tuple[TokenRow, ...]
     revision: int
+    digest: str
+    problems: tuple[Problem, ...]
 
     @classmethod
     def by(cls, connection: Connection) -> Self:
         """Read them."""
         tables, schema = read_tables(connection)
-        return cls(tables, schema, tokens.tokens(connection), adopted.revision(connection))
+        revision, digest = adopted.revision(connection), adopted.digest(tables)
+        problems = adopted.problems(connection, revision, digest)
+        return cls(tables, schema, tokens.tokens(connection), revision, digest, problems)
 
-    def rows(self, robot: str, tables: RawTables | None = None, *, problems: Iterable[Problem] = ()) -> RobotRows:
+    def rows(self, robot: str, tables: RawTables | None = None) -> RobotRows:
         """Return a robot's rows, checked; of other tables, if those are given."""
         raw = self.tables if tables is None else tables
-        checked = check(raw, robot, revision=self.revision, problems=problems, columns=self.schema)
-        return replace(checked, tokens=self.tokens)
+        checked = check(raw, robot, revision=self.revision, problems=self.problems, columns=self.schema)
+        return replace(checked, tokens=self.tokens, digest=self.digest)

@@ -13,8 +13,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from msgspec.structs import replace
-
 from lbr.database import (
     adopted,
     audit,
@@ -190,9 +188,7 @@ class Database:
         """Read the rows of several robots in one transaction, as `load` does."""
         with self.reading(patience_s) as connection:
             seen = Seen.by(connection)
-            digest = adopted.digest(seen.tables)
-            problems = adopted.problems(connection, seen.revision, digest)
-        return {name: replace(seen.rows(name, problems=problems), digest=digest) for name in robots}
+        return {name: seen.rows(name) for name in robots}
 
     def tables(self) -> tuple[RawTables, Schema]:
         """Return the rows of all robots as they stand, unchecked, and what their columns are."""
