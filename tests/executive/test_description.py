@@ -1,19 +1,13 @@
 """What the robot says that it is: out of the plan that runs, for each robot that comes with lbr."""
 
-import sqlite3
-
 import msgspec
 import pytest
 
 from lbr.bus import keys, session
-from lbr.database import store
-from lbr.executive.planning import planner, rights
-from lbr.executive.planning.profile import Profile
-from lbr.executive.planning.run_identity import RunIdentity
+from lbr.executive.planning import rights
 from lbr.executive.service.description import describe
-from tests.support import databases
+from tests.support.planning import planned, shipped
 
-SITE = RunIdentity(home="/nowhere", endpoints=("unixsock-stream//nowhere",), secret=b"s" * 32)
 ROBOTS = ("lbr", "bioloid", "uxa90")
 MECANUM = """
 INSERT INTO kinematics (robot, name, kind) VALUES ('lbr', 'base', 'mecanum');
@@ -24,13 +18,8 @@ INSERT INTO wheel (robot, name, motor, x_m, y_m, roller_rad, diameter_m) VALUES
 
 
 @pytest.fixture(scope="module")
-def plans(tmp_path_factory):
-    path = tmp_path_factory.mktemp("database") / "robot.db"
-    databases.fresh(path)
-    with store.Database.open(path) as database:
-        made = {name: planner.make(database.load(name), Profile(robot=name, simulate=True), SITE) for name in ROBOTS}
-    assert not any(problems for _, problems in made.values())
-    return {name: plan for name, (plan, _) in made.items()}
+def plans():
+    return {name: planned(shipped(name)) for name in ROBOTS}
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -89,20 +78,13 @@ def test_on_another_machine_it_has_no_such_rights(plans):
     assert "uxa90/**" not in rights.of_guest(plan, web).ask
 
 
-def test_a_base_says_how_it_moves_and_how_fast_by_its_rows(tmp_path, plans):
+def test_a_base_says_how_it_moves_and_how_fast_by_its_rows(plans):
     told = describe(plans["lbr"], ()).base
     assert told is not None
     assert (told.capability, told.kind, told.sideways) == ("drive", "differential", False)
     assert (told.max_speed_mps > 0.0, told.max_turn_rps > 0.0) == (True, True)
     assert describe(plans["uxa90"], ()).base is None
-    path = tmp_path / "robot.db"
-    databases.fresh(path)
-    with sqlite3.connect(path) as database:
-        database.executescript(MECANUM)
-    database.close()
-    with store.Database.open(path) as kept:
-        plan, _ = planner.make(kept.load("lbr"), Profile(robot="lbr", simulate=True), SITE)
-    found = describe(plan, ()).base
+    found = describe(planned(shipped("lbr", MECANUM)), ()).base
     assert found is not None
     assert (found.kind, found.sideways, found.max_speed_mps) == ("mecanum", True, told.max_speed_mps)
     assert found.max_turn_rps == pytest.approx(found.max_speed_mps / (0.13 + 0.18), rel=1e-3)

@@ -8,15 +8,13 @@ import msgspec
 import pytest
 from msgspec.structs import replace
 
-from lbr.database import store
 from lbr.database.rows import ChannelRow
 from lbr.executive.planning import plan as plans
 from lbr.executive.planning import rights
 from lbr.executive.planning.profile import Profile
 from lbr.messages.faces import Motor
 from lbr.messages.rows import by_table
-from tests.executive.test_plan import planned, problems
-from tests.support import databases
+from tests.support.planning import planned, problems, shipped
 from tests.support.robot import Robot, prepare, running
 from tests.support.waiting import until
 
@@ -106,24 +104,18 @@ def test_a_database_that_is_locked_holds_up_the_edit_and_nothing_else(robot):
 
 
 @pytest.fixture(scope="module")
-def rows(tmp_path_factory):
-    path = tmp_path_factory.mktemp("database") / "robot.db"
-    databases.fresh(path)
-    with store.Database.open(path) as database:
-        return database.load("uxa90")
-
-
-PROFILE = Profile(robot="uxa90", simulate=True)
+def rows():
+    return shipped("uxa90")
 
 
 def test_rows_alone_give_the_right_to_edit(rows):
-    plan = planned(rows, PROFILE)
+    plan = planned(rows)
     may = {name: rights.of_unit(plan, unit).values() for name, unit in plan.units.items()}
     asking = {name for name, each in may.items() if any("uxa90/@edit" in one.ask for one in each)}
     assert asking == {"web"}
     assert "uxa90/@edit" not in rights.of_local(plan).ask
     unwired = replace(rows, channels=tuple(row for row in rows.channels if row.source != "web.edit"))
-    assert planned(unwired, PROFILE).units["web"].config.requests.get("edit") is None
+    assert planned(unwired).units["web"].config.requests.get("edit") is None
 
 
 @pytest.mark.parametrize(
@@ -136,7 +128,7 @@ def test_rows_alone_give_the_right_to_edit(rows):
 )
 def test_a_wrong_channel_to_the_executive_is_named(rows, source, target, why):
     bad = replace(rows, channels=(*rows.channels, ChannelRow(source=source, target=target)))
-    assert any(why in text for text in problems(bad, PROFILE))
+    assert any(why in text for text in problems(bad))
 
 
 def test_who_edits_stays_on_the_robots_own_host(rows):
@@ -146,7 +138,7 @@ def test_who_edits_stays_on_the_robots_own_host(rows):
 
 def test_who_has_made_an_edit_its_own_is_not_restarted_by_rows_that_say_the_same(rows):
     motor = Motor(layer="mine", id=1, name="one", initial=1, lowest=0, highest=2, rest=1)
-    plan = planned(rows, PROFILE)
+    plan = planned(rows)
     again = plans.learnt(plan, "web", by_table((motor,)))
     assert plans.difference(plan, again).restart == ("web",)
     assert motor in msgspec.json.decode(again.units["web"].config.rows["motor"].rows, type=list[Motor])

@@ -22,16 +22,14 @@ from lbr.errors import InputError, RowError
 from lbr.executive.planning import credentials, rights
 from lbr.executive.planning import plan as plans
 from lbr.executive.planning.process_specs import LAN
-from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.said import vocabulary
 from lbr.executive.service.dispatch import Dispatcher
 from lbr.executive.service.letting_in import LettingIn
 from lbr.executive.service.pairing import Code
 from lbr.messages.rows import by_table
-from tests.executive.test_plan import planned
 from tests.support import databases
+from tests.support.planning import planned, shipped
 
-PROFILE = Profile(robot="uxa90", simulate=True)
 LOCAL = "https://lbr-3fa2.local:50000/"
 OPEN = {
     "accepted": True,
@@ -45,13 +43,8 @@ CLOSED = {"accepted": True, "url": "http://127.0.0.1:50000/", "open": False, "tl
 
 
 @pytest.fixture(scope="module")
-def rows(tmp_path_factory):
-    path = tmp_path_factory.mktemp("database") / "robot.db"
-    databases.fresh(path)
-    with store.Database.open(path) as database:
-        found = database.load("uxa90")
-        enabled = tuple(replace(row, enabled=True) if row.name == "web" else row for row in found.capabilities)
-        return replace(found, capabilities=enabled)
+def rows():
+    return shipped("uxa90", "UPDATE capability SET enabled = 1 WHERE name = 'web'")
 
 
 class Console:
@@ -59,7 +52,7 @@ class Console:
 
     def __init__(self, rows, *, address=True) -> None:
         self.rows = rows
-        self.plan = planned(rows, PROFILE)
+        self.plan = planned(rows)
         self.codes: list[tuple[str, str]] = []
         self.edits: list[tuple[str, str, str]] = []
         self.answers = address
@@ -86,7 +79,7 @@ class Console:
             for row in self.rows.capabilities
         ]
         self.rows = replace(self.rows, capabilities=tuple(changed))
-        self.plan = planned(self.rows, PROFILE)
+        self.plan = planned(self.rows)
 
 
 @pytest.fixture
@@ -179,7 +172,7 @@ def test_a_server_whose_row_is_off_is_named(rows):
 
 @pytest.mark.parametrize("line", ["phone", "p", "pair", "/pair/view", "open", "close"])
 def test_who_comes_in_is_for_admins_alone_on_a_page_too(rows, line):
-    plan = planned(rows, PROFILE)
+    plan = planned(rows)
     vocabulary = _vocabulary(plan)
     robot = SimpleNamespace(plan=plan, vocabulary=vocabulary, record=lambda *_: None)
     dispatcher = Dispatcher(robot, None, {})  # with no bus, so that it would break if it went on
@@ -196,7 +189,7 @@ def _vocabulary(plan):
 
 
 def test_only_what_pairs_may_show_codes_and_none_may_say_lines_of_an_admin(rows):
-    plan = planned(rows, PROFILE)
+    plan = planned(rows)
     each = {name: rights.of_unit(plan, unit).values() for name, unit in plan.units.items()}
     asking = {name for name, may in each.items() if any(keys.pair("uxa90") in one.ask for one in may)}
     assert asking == {"web"}
@@ -221,8 +214,8 @@ def test_who_has_the_token_already_is_not_restarted_for_it(rows):
         good_for="web", paired_from="192.168.1.7",
     )  # fmt: skip
     before = TokenRow(name="zoe", role="view", hash=row.hash, created_at=row.created_at)
-    plan = planned(replace(rows, tokens=(before,)), PROFILE)
-    after = planned(replace(rows, tokens=(row, before)), PROFILE)
+    plan = planned(replace(rows, tokens=(before,)))
+    after = planned(replace(rows, tokens=(row, before)))
     assert plans.difference(plan, after).restart == ("web",)
     secret = credentials.token_secret(b"", row.name, row.created_at)
     user = LanUser(name=row.name, role=row.role, secret=secret, hash=row.hash)

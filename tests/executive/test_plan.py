@@ -1,7 +1,6 @@
 """Rows to a plan: what is wrong is said at once, and an edit touches only what it touches."""
 
 import os
-import sqlite3
 
 import msgspec
 import pytest
@@ -9,44 +8,26 @@ from msgspec.structs import replace
 
 from lbr.capability import registry
 from lbr.capability.kind import KindError, LackingError
-from lbr.database import store
 from lbr.database.rows import CapabilityRow, ChannelRow, DeviceRow, RobotRow, RobotRows, VerbRow
 from lbr.errors import InputError
 from lbr.executive.planning import machine, planner
 from lbr.executive.planning import plan as plans
 from lbr.executive.planning.plan import Change
 from lbr.executive.planning.profile import Profile, load
-from lbr.executive.planning.run_identity import RunIdentity
 from lbr.messages.calibration import CalibrationValue, values
 from lbr.operations.attitude.compass import from_values
 from lbr.operations.attitude.geometry import times
 from lbr.simulation.settings import WorldSettings
-from tests.support import databases
 from tests.support.packages import imported_from, package
+from tests.support.planning import SITE, planned, problems, shipped
 
-SITE = RunIdentity(home="/nowhere", endpoints=("unixsock-stream//nowhere",), secret=b"s" * 32)
 SIMULATED = Profile(robot="lbr", simulate=True)
 REAL = Profile(robot="lbr")
 
 
 @pytest.fixture(scope="module")
-def rows(tmp_path_factory) -> RobotRows:
-    path = tmp_path_factory.mktemp("database") / "robot.db"
-    databases.fresh(path)
-    with store.Database.open(path) as database:
-        return database.load("lbr")
-
-
-def planned(rows, profile=SIMULATED):
-    plan, problems = planner.make(rows, profile, SITE)
-    assert not problems
-    return plan
-
-
-def problems(rows, profile=SIMULATED):
-    plan, found = planner.make(rows, profile, SITE)
-    assert plan is None
-    return [str(problem) for problem in found]
+def rows() -> RobotRows:
+    return shipped("lbr")
 
 
 def edited(rows, table, name, **fields):
@@ -89,7 +70,7 @@ def kept_by_attitude(rows, profile):
     return values(msgspec.json.decode(found, type=list[CalibrationValue]))
 
 
-def test_what_ships_in_simulation_is_calibrated_and_what_was_measured_goes_before_that(rows, tmp_path):
+def test_what_ships_in_simulation_is_calibrated_and_what_was_measured_goes_before_that(rows):
     world = WorldSettings().imu
     kept = from_values(kept_by_attitude(rows, load("lbr-sim")))
     assert kept.known
@@ -98,17 +79,11 @@ def test_what_ships_in_simulation_is_calibrated_and_what_was_measured_goes_befor
     )
     assert kept.apply(measured_ut) == pytest.approx((10.0, -17.0, -40.0), abs=0.01)
     assert kept_by_attitude(rows, load("lbr")) == {}
-    path = tmp_path / "robot.db"
-    databases.fresh(path)
-    with sqlite3.connect(path) as connection:
-        connection.execute(
-            "INSERT INTO calibration (robot, device, name, value, measured_at)"
-            " VALUES ('lbr', 'imu', 'mag_offset_x_ut', 1.0, '2026-01-01T00:00:00.000Z')"
-        )
-    connection.close()
-    with store.Database.open(path) as database:
-        measured = database.load("lbr")
-    assert kept_by_attitude(measured, load("lbr-sim")) == {"mag_offset_x_ut": 1.0}
+    measured = (
+        "INSERT INTO calibration (robot, device, name, value, measured_at)"
+        " VALUES ('lbr', 'imu', 'mag_offset_x_ut', 1.0, '2026-01-01T00:00:00.000Z')"
+    )
+    assert kept_by_attitude(shipped("lbr", measured), load("lbr-sim")) == {"mag_offset_x_ut": 1.0}
     said = "\n".join(problems(rows, Profile(robot="lbr", calibration={"wing": {"x": 1.0}})))
     assert "'wing'" in said
 
@@ -366,13 +341,9 @@ def test_what_a_kind_wires_by_itself_goes_to_every_port_of_that_type_and_a_row_g
     assert set(made.requests["halt"]) == {"dance"}
 
 
-def test_rows_that_a_kind_follows_reach_it_without_a_restart(rows, tmp_path):
-    databases.fresh(tmp_path / "robot.db")
-    with sqlite3.connect(tmp_path / "robot.db") as client:
-        client.execute("UPDATE behaviour SET help = 'another' WHERE name = 'patrol'")
-    client.close()
-    with store.Database.open(tmp_path / "robot.db") as database:
-        old, new = planned(rows), planned(database.load("lbr"))
+def test_rows_that_a_kind_follows_reach_it_without_a_restart(rows):
+    edit = "UPDATE behaviour SET help = 'another' WHERE name = 'patrol'"
+    old, new = planned(rows), planned(shipped("lbr", edit))
     assert plans.difference(old, new) == Change(follow=("behaviour",))
     told = plans.changed_rows(old.units["behaviour"], new.units["behaviour"])
     assert told is not None

@@ -8,30 +8,17 @@ from msgspec.structs import replace
 
 from lbr.bus.door import LanUser
 from lbr.bus.tokens import hashed
-from lbr.database import store
 from lbr.database.rows import GoodFor, TokenRow
-from lbr.executive.planning import planner
-from lbr.executive.planning.profile import Profile
-from lbr.executive.planning.run_identity import RunIdentity
-from tests.support import databases
-
-SITE = RunIdentity(
-    home="/nowhere", endpoints=("unixsock-stream//core",), secret=b"s" * 32, listen=("tls/10.0.0.1:7447",)
-)
+from tests.support.planning import SITE, planned, shipped
 
 
 @pytest.fixture
-def plan(tmp_path):
-    databases.fresh(tmp_path / "robot.db")
+def plan():
     tokens = tuple(
         TokenRow(name=door, role="operate", hash=hashed("x"), created_at="2026-01-01T00:00:00.000Z", good_for=door)
         for door in get_args(GoodFor)
     )
-    with store.Database.open(tmp_path / "robot.db") as database:
-        rows = replace(database.load("uxa90"), tokens=tokens)
-    made, problems = planner.make(rows, Profile(robot="uxa90", simulate=True), SITE)
-    assert made is not None, problems
-    return made
+    return planned(replace(shipped("uxa90"), tokens=tokens), site=replace(SITE, listen=("tls/10.0.0.1:7447",)))
 
 
 def test_the_web_server_does_not_know_a_token_for_the_bus(plan):

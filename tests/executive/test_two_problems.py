@@ -1,45 +1,14 @@
 """Two problems of one row are told at once, the second not only after the first is mended."""
 
-import sqlite3
-from contextlib import closing
-
 import pytest
 
-from lbr.database import store
-from lbr.executive.planning import planner
 from lbr.executive.planning.profile import Profile
-from lbr.executive.planning.run_identity import RunIdentity
-from tests.support import databases
-
-SITE = RunIdentity(home="/nowhere", endpoints=("unixsock-stream//nowhere",), secret=b"s" * 32)
+from tests.support.planning import problems, shipped
 
 
-@pytest.fixture(scope="module")
-def shipped(tmp_path_factory):
-    path = tmp_path_factory.mktemp("database") / "robot.db"
-    databases.fresh(path)
-    return path
-
-
-@pytest.fixture
-def told(shipped, tmp_path):
-    """Edit a copy of the shipped rows, and return what a start says of them."""
-    path = tmp_path / "robot.db"
-    path.write_bytes(shipped.read_bytes())
-    path.chmod(0o600)
-
-    def tell(*edits: str, profile: Profile | None = None) -> list[str]:
-        with closing(sqlite3.connect(path)) as connection, connection:
-            connection.execute("PRAGMA ignore_check_constraints = ON")
-            for edit in edits:
-                assert connection.execute(edit).rowcount == 1
-        with store.Database.open(path) as database:
-            rows = database.load("lbr")
-        plan, found = planner.make(rows, profile or Profile(robot="lbr", simulate=True), SITE)
-        assert plan is None
-        return [str(one) for one in found]
-
-    return tell
+def told(*edits: str, profile: Profile | None = None) -> list[str]:
+    """Return what a start says of the shipped rows after these edits."""
+    return problems(shipped("lbr", "PRAGMA ignore_check_constraints = ON", *edits), profile)
 
 
 CAPABILITY = "INSERT INTO capability (robot, name, kind, settings, needs, restart) VALUES "
@@ -67,11 +36,11 @@ SETTINGS = '{"device": "motor_controller", "watchdog_ms": 900, "lefty": 3, "nons
         "INSERT INTO joint (robot, name, device_id, lower_rad, upper_rad, speed_rps) VALUES ('lbr', 'X', 1, 2, 1, 0)",
     ],
 )
-def test_all_problems_of_one_row_are_told_at_once(told, edit, wording):
+def test_all_problems_of_one_row_are_told_at_once(edit, wording):
     wording(*told(edit))
 
 
-def test_a_row_with_a_fault_is_there_for_those_who_name_it(told):
+def test_a_row_with_a_fault_is_there_for_those_who_name_it():
     joint = "INSERT INTO joint (robot, name, device_id, lower_rad, upper_rad, speed_rps) VALUES ('lbr', 'neck', 999, 0, 1, 1)"
     motion = "INSERT INTO motion (robot, name, limp) VALUES ('lbr', 'nod', 7)"
     step = "INSERT INTO motion_step (robot, motion, step, duration_s, positions) VALUES ('lbr', 'nod', 1, 1, '{\"neck\": 3}')"
@@ -82,13 +51,13 @@ def test_a_row_with_a_fault_is_there_for_those_who_name_it(told):
     ]
 
 
-def test_a_profile_may_name_a_capability_that_has_a_fault(told):
+def test_a_profile_may_name_a_capability_that_has_a_fault():
     edit = "UPDATE capability SET enabled = 7 WHERE robot = 'lbr' AND name = 'drive'"
     found = told(edit, profile=Profile(robot="lbr", simulate=True, without=("drive",), hosts={"pi": ("drive",)}))
     assert not [problem for problem in found if "there is no capability" in problem]
 
 
-def test_a_program_whose_settings_are_wrong_is_not_told_of_its_ports_too(told):
+def test_a_program_whose_settings_are_wrong_is_not_told_of_its_ports_too():
     program = CAPABILITY + "('lbr', 'shell', 'exec', '{\"argv\": [], \"outputs\": [\"said\"]}', '[]', 'never')"
     (found,) = told(program, f"{CHANNEL} ('lbr', 'shell.said', 'drive.ranges', 1)")
     assert "settings: " in found

@@ -1,27 +1,21 @@
 """What a profile may place on another machine, what goes there with it, and what it may do when it comes back in."""
 
-from pathlib import Path
-
 import msgspec
 import pytest
 from msgspec.structs import replace
 
 from lbr.bus.tokens import hashed
-from lbr.database import store
 from lbr.database.rows import RobotRows, TokenRow
-from lbr.executive.planning import planner, rights
 from lbr.executive.planning import profile as profiles
+from lbr.executive.planning import rights
 from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.profile import Profile
-from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.remote.host_protocol import HostReport, HostShare, Placed, mark
 from lbr.executive.remote.remote_hosts import RemoteHosts
 from lbr.messages.system import CapabilityStatus, Event
-from tests.support import databases
+from tests.support import planning
 
-SITE = RunIdentity(
-    home="/nowhere", endpoints=("unixsock-stream//core",), secret=b"s" * 32, listen=("tls/10.0.0.1:7447",)
-)
+SITE = replace(planning.SITE, listen=("tls/10.0.0.1:7447",))
 TOKEN = TokenRow(name="operator", role="host", hash=hashed("x"), created_at="2026-01-01T00:00:00.000Z")
 STATE = CapabilityStatus(
     name="dance", kind="dance", phase="ready", pid=7, restarts=0, uptime_s=1.0, reason="", rates_hz={}
@@ -29,34 +23,21 @@ STATE = CapabilityStatus(
 
 
 @pytest.fixture(scope="module")
-def path(tmp_path_factory) -> Path:
-    found = tmp_path_factory.mktemp("database") / "robot.db"
-    databases.fresh(found)
-    return found
+def rows() -> RobotRows:
+    return replace(planning.shipped("lbr"), tokens=(TOKEN,))
 
 
 @pytest.fixture(scope="module")
-def rows(path: Path) -> RobotRows:
-    with store.Database.open(path) as database:
-        return replace(database.load("lbr"), tokens=(TOKEN,))
-
-
-@pytest.fixture(scope="module")
-def bioloid(path: Path) -> RobotRows:
-    with store.Database.open(path) as database:
-        return replace(database.load("bioloid"), tokens=(TOKEN,))
+def bioloid() -> RobotRows:
+    return replace(planning.shipped("bioloid"), tokens=(TOKEN,))
 
 
 def planned(rows: RobotRows, *names: str, simulate: bool = True) -> Plan:
-    plan, problems = planner.make(rows, Profile(robot="lbr", simulate=simulate, hosts={"operator": names}), SITE)
-    assert plan is not None, problems
-    return plan
+    return planning.planned(rows, Profile(robot="lbr", simulate=simulate, hosts={"operator": names}), SITE)
 
 
 def refused(rows: RobotRows, **profile: object) -> str:
-    plan, problems = planner.make(rows, Profile(robot="lbr", **profile), SITE)  # type: ignore[arg-type]
-    assert plan is None
-    return "\n".join(map(str, problems))
+    return "\n".join(planning.problems(rows, Profile(robot="lbr", **profile)))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -76,8 +57,7 @@ def test_what_moves_a_motor_or_owns_a_device_stays(rows, name, wording):
 def test_a_device_may_be_plugged_in_elsewhere_if_the_profile_says_so(rows):
     hosts = {"operator": ("imu",)}
     assert 'say so in the profile: plugged_in_elsewhere = ["imu"]' in refused(rows, hosts=hosts)
-    plan, _ = planner.make(rows, Profile(robot="lbr", hosts=hosts, plugged_in_elsewhere=("imu",)), SITE)
-    assert plan is not None
+    plan = planning.planned(rows, Profile(robot="lbr", hosts=hosts, plugged_in_elsewhere=("imu",)), SITE)
     assert "imu" not in plan.local_units
 
 
@@ -94,8 +74,7 @@ def test_a_profile_that_places_what_is_not_there_or_twice_is_refused(rows):
 
 @pytest.mark.parametrize("name", ["bioloid-two", "bioloid-two-sim"])
 def test_the_shipped_profiles_of_two_machines_place_attitude_and_motions(bioloid, name):
-    plan, problems = planner.make(bioloid, profiles.load(name), SITE)
-    assert plan is not None, problems
+    plan = planning.planned(bioloid, profiles.load(name), SITE)
     assert {unit.name: unit.config.host for unit in plan.units.values() if unit.config.host} == {
         "attitude": "operator",
         "motions": "operator",

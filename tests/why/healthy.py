@@ -10,10 +10,8 @@ from msgspec.structs import replace
 
 from lbr.database import store
 from lbr.database.rows import RobotRows
-from lbr.executive.planning import planner
 from lbr.executive.planning.facts import facts
 from lbr.executive.planning.profile import Profile
-from lbr.executive.planning.run_identity import RunIdentity
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.camera import CameraState
 from lbr.messages.dock import DockSignal
@@ -28,9 +26,9 @@ from lbr.messages.servos import ServosState
 from lbr.messages.system import CapabilityStatus, EstopState, Event, Status
 from lbr.why.snapshot import Facts, Said, Snapshot
 from tests.support import databases
+from tests.support.planning import planned
 
 WALL_NS = 1_800_000_000_000_000_000
-SITE = RunIdentity(home="/nowhere", endpoints=("unixsock-stream//nowhere",), secret=b"s" * 32)
 AGE_S = 0.02
 
 
@@ -44,8 +42,7 @@ def robot_rows(folder: Path) -> dict[str, RobotRows]:
 
 def facts_of(rows: RobotRows, without: tuple[str, ...] = ()) -> Facts:
     """Return what rows say, which must be good, under a profile without these capabilities."""
-    plan, problems = planner.make(rows, Profile(robot=rows.robot.name, simulate=True, without=without), SITE)
-    assert plan is not None, problems
+    plan = planned(rows, Profile(robot=rows.robot.name, simulate=True, without=without))
     return facts(plan, f"{rows.robot.name}-sim")
 
 
