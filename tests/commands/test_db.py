@@ -6,10 +6,10 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
-from lbr.cli import cli
 from tests.support import databases
+from tests.support.commands import db
+from tests.support.databases import edit
 
 SHIPPED = Path(__file__).parents[2] / "docs" / "examples"
 
@@ -17,22 +17,11 @@ SHIPPED = Path(__file__).parents[2] / "docs" / "examples"
 @pytest.fixture
 def path(tmp_path, monkeypatch) -> Path:
     monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
-    databases.fresh(tmp_path / "home" / "robot.db")
-    return tmp_path / "home" / "robot.db"
-
-
-def edit(path: Path, script: str) -> None:
-    with closing(sqlite3.connect(path, isolation_level=None)) as client:
-        client.executescript(script)
-
-
-def db(*words: str) -> Result:
-    return CliRunner().invoke(cli, ["db", *words], standalone_mode=False)
+    return databases.in_home(tmp_path / "home")
 
 
 def hints(path: Path, *edits: str) -> dict[str, list[str]]:
-    for one in edits:
-        edit(path, one)
+    edit(path, *edits)
     return {one["robot"]: one["hints"] for one in json.loads(db("check", "--json").stdout) if one["hints"]}
 
 

@@ -7,10 +7,10 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
-from lbr.cli import cli
 from tests.support import databases
+from tests.support.commands import db
+from tests.support.databases import asked
 
 POWER = (
     "UPDATE capability SET settings = json_set(settings, '$.max_power', 0.5) WHERE robot = 'lbr' AND name = 'drive';"
@@ -20,7 +20,7 @@ POWER = (
 @pytest.fixture
 def path(tmp_path, monkeypatch) -> Path:
     monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
-    return databases.fresh(tmp_path / "home" / "robot.db") or tmp_path / "home" / "robot.db"
+    return databases.in_home(tmp_path / "home")
 
 
 @pytest.fixture
@@ -30,15 +30,6 @@ def sql(tmp_path):
         return str(tmp_path / "edit.sql")
 
     return written
-
-
-def asked(path: Path, statement: str) -> list:
-    with closing(sqlite3.connect(path, isolation_level=None)) as client:
-        return client.execute(statement).fetchall()
-
-
-def db(*words: str) -> Result:
-    return CliRunner().invoke(cli, ["db", *words], standalone_mode=False)
 
 
 def refusal(*words: str) -> str:

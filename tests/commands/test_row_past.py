@@ -3,15 +3,13 @@
 import json
 import os
 import pwd
-import sqlite3
-from contextlib import closing
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
-from lbr.cli import cli
 from tests.support import databases
+from tests.support.commands import db
+from tests.support.databases import edit
 
 POWER = "UPDATE capability SET settings = json_set(settings, '$.max_power', 0.5) WHERE robot = 'lbr' AND name = 'drive'"
 OWNER = "UPDATE robot SET owner = 'me' WHERE name = 'bioloid'"
@@ -21,28 +19,12 @@ ME = pwd.getpwuid(os.getuid()).pw_name
 @pytest.fixture
 def path(tmp_path, monkeypatch) -> Path:
     monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
-    return _fresh(tmp_path / "home")
-
-
-def _fresh(home: Path) -> Path:
-    databases.fresh(home / "robot.db")
-    return home / "robot.db"
-
-
-def edit(path: Path, *statements: str) -> None:
-    with closing(sqlite3.connect(path, isolation_level=None)) as client:
-        client.execute("PRAGMA foreign_keys = ON")
-        for statement in statements:
-            client.execute(statement)
-
-
-def db(*words: str) -> Result:
-    return CliRunner().invoke(cli, ["db", *words], standalone_mode=False)
+    return databases.in_home(tmp_path / "home")
 
 
 def owner(path: Path) -> str:
-    with closing(sqlite3.connect(path)) as client:
-        return str(client.execute("SELECT owner FROM robot WHERE name = 'bioloid'").fetchone()[0])
+    ((owner,),) = databases.asked(path, "SELECT owner FROM robot WHERE name = 'bioloid'")
+    return owner
 
 
 def test_history_says_who_changed_which_rows_when_and_by_what(path):

@@ -6,26 +6,21 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 
-from lbr.cli import cli
 from lbr.errors import InputError
 from tests.support import databases
+from tests.support.commands import typed as lbr
 
 
 @pytest.fixture(autouse=True)
 def path(tmp_path, monkeypatch) -> Path:
     monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
-    return databases.fresh(tmp_path / "home" / "robot.db") or tmp_path / "home" / "robot.db"
-
-
-def lbr(*words: str) -> Result:
-    return CliRunner().invoke(cli, list(words), standalone_mode=False)
+    return databases.in_home(tmp_path / "home")
 
 
 def parts(path: Path) -> dict[tuple[str, str], dict]:
-    with closing(sqlite3.connect(path)) as client:
-        rows = client.execute("SELECT robot, name, settings FROM capability").fetchall()
+    rows = databases.asked(path, "SELECT robot, name, settings FROM capability")
     return {(robot, name): json.loads(settings) for robot, name, settings in rows}
 
 

@@ -1,7 +1,5 @@
 """Edits from outside: all or none, only what may be changed, and only from what its author has seen."""
 
-import sqlite3
-
 import pytest
 from msgspec import Raw
 from msgspec.structs import replace
@@ -129,9 +127,7 @@ def test_who_plans_the_robot_may_refuse_too(opened):
 
 def test_an_edit_from_an_older_revision_is_refused_where_its_rows_have_changed_since(opened, tmp_path, wording):
     seen = edit(opened, ALL)
-    with sqlite3.connect(tmp_path / "robot.db") as other:
-        other.execute("UPDATE motion_step SET duration_s = 2 WHERE motion = 'nod' AND step = 2")
-    other.close()
+    databases.edit(tmp_path / "robot.db", "UPDATE motion_step SET duration_s = 2 WHERE motion = 'nod' AND step = 2")
     with wording.of(InputError):
         edit(opened, edit_of(motions=(NOD,), revision=seen))
     assert edit(opened, edit_of(motors=(replace(MOTOR, name="a neck"),), revision=seen)) == seen + 2
@@ -144,9 +140,7 @@ def test_another_writer_between_check_and_writing_begins_it_anew(opened, tmp_pat
     def wrong(rows):
         looked.append(len(of_rows(rows)))
         if len(looked) == 1:
-            with sqlite3.connect(tmp_path / "robot.db") as other:
-                other.execute("UPDATE robot SET owner = 'somebody'")
-            other.close()
+            databases.edit(tmp_path / "robot.db", "UPDATE robot SET owner = 'somebody'")
         return of_rows(rows)
 
     edit(opened, ALL, wrong)
@@ -156,9 +150,7 @@ def test_another_writer_between_check_and_writing_begins_it_anew(opened, tmp_pat
 
 def test_an_edit_that_others_come_before_again_and_again_is_refused_as_busy(opened, tmp_path):
     def wrong(rows):
-        with sqlite3.connect(tmp_path / "robot.db") as other:
-            other.execute("UPDATE robot SET owner = owner || '.' WHERE name = 'uxa90'")
-        other.close()
+        databases.edit(tmp_path / "robot.db", "UPDATE robot SET owner = owner || '.' WHERE name = 'uxa90'")
         return ()
 
     with pytest.raises(InputError, match="others edit") as refused:
@@ -167,9 +159,9 @@ def test_an_edit_that_others_come_before_again_and_again_is_refused_as_busy(open
 
 
 def test_rows_that_are_bad_already_let_nothing_be_written(opened, tmp_path):
-    with sqlite3.connect(tmp_path / "robot.db") as other:
-        other.execute("UPDATE motion SET lead_in = 'nowhere' WHERE robot = 'uxa90' AND name = 'reset'")
-    other.close()
+    databases.edit(
+        tmp_path / "robot.db", "UPDATE motion SET lead_in = 'nowhere' WHERE robot = 'uxa90' AND name = 'reset'"
+    )
     with pytest.raises(RowError, match="nowhere"):
         edit(opened, ALL)
 

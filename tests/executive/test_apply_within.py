@@ -3,11 +3,10 @@
 import json
 import os
 import signal
-import sqlite3
 import subprocess
-from contextlib import closing
 
 from tests.support import programs
+from tests.support.databases import asked
 from tests.support.robot import LBR, environment, lbr, running
 from tests.support.waiting import until
 
@@ -27,11 +26,6 @@ KIND = Kind(name="late", summary="is never ready", family="app", entry=Late, set
 """
 LATE = "INSERT INTO capability (robot, name, kind, restart) VALUES ('lbr', 'late', 'late', 'never')"
 GOOD = "UPDATE capability SET help = 'Turns.', settings = json_set(settings, '$.max_power', 0.5) WHERE robot = 'lbr' AND name = 'drive'"
-
-
-def rows(home, sql: str) -> list:
-    with closing(sqlite3.connect(home / "robot.db", timeout=5.0)) as client:
-        return client.execute(sql).fetchall()
 
 
 def test_good_rows_stay_bad_ones_go_back_and_a_kill_changes_nothing(shared_home):
@@ -64,8 +58,14 @@ def test_good_rows_stay_bad_ones_go_back_and_a_kill_changes_nothing(shared_home)
         _, said_of_it = command.communicate(timeout=20.0)
         assert command.returncode == 1
         assert "its robot ended" in said_of_it
-        assert rows(home, "SELECT count(*) FROM capability WHERE name = 'late'") == [(1,)]
+        assert asked(home / "robot.db", "SELECT count(*) FROM capability WHERE name = 'late'") == [(1,)]
     with running(home) as robot:
         assert robot.capability("late")["phase"] == "absent"
-        assert rows(home, "SELECT state FROM trial ORDER BY revision") == [("kept",), ("back",), ("back",)]
-        assert rows(home, "SELECT help FROM capability WHERE robot = 'lbr' AND name = 'drive'") == [("Turns.",)]
+        assert asked(home / "robot.db", "SELECT state FROM trial ORDER BY revision") == [
+            ("kept",),
+            ("back",),
+            ("back",),
+        ]
+        assert asked(home / "robot.db", "SELECT help FROM capability WHERE robot = 'lbr' AND name = 'drive'") == [
+            ("Turns.",)
+        ]

@@ -2,12 +2,12 @@
 
 import json
 import shutil
-import sqlite3
 import tempfile
 from pathlib import Path
 
 import pytest
 
+from tests.support import databases
 from tests.support.robot import Robot, prepare, running
 from tests.support.waiting import until
 
@@ -47,18 +47,13 @@ def of_motions(robot: Robot, kind: str) -> list[str]:
 
 
 def newest(home: Path) -> int:
-    with sqlite3.connect(home / "robot.db") as database:
-        (revision,) = database.execute("SELECT max(id) FROM revision").fetchone()
-    database.close()
+    ((revision,),) = databases.asked(home / "robot.db", "SELECT max(id) FROM revision")
     return int(revision)
 
 
 def rows(home: Path, motion: str) -> list[tuple[int, float, dict[str, float]]]:
-    with sqlite3.connect(home / "robot.db") as database:
-        found = database.execute(
-            "SELECT step, duration_s, positions FROM motion_step WHERE motion = ? ORDER BY step", (motion,)
-        ).fetchall()
-    database.close()
+    steps = "SELECT step, duration_s, positions FROM motion_step WHERE motion = ? ORDER BY step"
+    found = databases.asked(home / "robot.db", steps, motion)
     return [(step, duration_s, json.loads(positions)) for step, duration_s, positions in found]
 
 

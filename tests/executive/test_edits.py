@@ -14,6 +14,7 @@ from lbr.executive.planning import rights
 from lbr.executive.planning.profile import Profile
 from lbr.messages.faces import Motor
 from lbr.messages.rows import by_table
+from tests.support import databases
 from tests.support.planning import planned, problems, shipped
 from tests.support.robot import Robot, prepare, running
 from tests.support.waiting import until
@@ -57,9 +58,8 @@ def test_an_edit_is_written_and_only_others_restart_for_it(robot):
     assert texts["edit"] == "wrote motor 3 of layer 'mine', motion 'nod' for phone"
     assert "insert motion 'nod'" in texts["rows_changed"]
     assert "restart other" in texts["rows_changed"]
-    with sqlite3.connect(robot.home / "robot.db") as database:
-        (who,) = database.execute("SELECT subject FROM audit WHERE kind = 'edit' AND text LIKE '%phone%'").fetchone()
-    database.close()
+    told = "SELECT subject FROM audit WHERE kind = 'edit' AND text LIKE '%phone%'"
+    ((who,),) = databases.asked(robot.home / "robot.db", told)
     assert who == "face"
 
 

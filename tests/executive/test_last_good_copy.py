@@ -1,8 +1,6 @@
 """The copy of rows that have run well: what is in its way is told, and an edit of this moment is not in its way."""
 
-import sqlite3
 import threading
-from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -28,8 +26,7 @@ def digest(path: Path) -> str:
 def test_an_edit_that_comes_just_before_the_copy_is_no_trouble_and_is_copied_later(path: Path) -> None:
     told: list[str] = []
     copy, before = LastGoodCopy(path, lambda _what, why: told.append(why)), digest(path)
-    with closing(sqlite3.connect(path)) as client, client:
-        client.execute("UPDATE robot SET owner = 'somebody' WHERE name = 'lbr'")
+    databases.edit(path, "UPDATE robot SET owner = 'somebody' WHERE name = 'lbr'")
     copy.touched(0.0)
     copy.step(RUN_WELL_S, before)
     until(lambda: all(one.name != "keeper" for one in threading.enumerate()), what="it has looked")

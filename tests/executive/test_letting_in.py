@@ -1,7 +1,6 @@
 """`phone`, `pair`, `open` and `close` at the console: what they tell, what they change, and who may say them."""
 
 import json
-import sqlite3
 from itertools import count
 from types import SimpleNamespace
 
@@ -228,9 +227,7 @@ def test_who_has_the_token_already_is_not_restarted_for_it(rows):
 def test_one_setting_is_written_as_a_revision_and_the_others_stay(tmp_path):
     path = tmp_path / "robot.db"
     databases.fresh(path)
-    with sqlite3.connect(path) as other:
-        other.execute("UPDATE capability SET settings = '{\"port\":  1234}' WHERE robot = 'uxa90' AND name = 'web'")
-    other.close()
+    databases.edit(path, "UPDATE capability SET settings = '{\"port\":  1234}' WHERE robot = 'uxa90' AND name = 'web'")
     with store.Database.open(path) as database:
         before = database.revision()
         after = edits.write_setting(database, "uxa90", "web", "host", "0.0.0.0", lambda _rows: ()).revision

@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
+from tests.support import databases
 from tests.support.robot import Robot, lbr, running
 from tests.support.waiting import STOPS_S, until
 
@@ -282,10 +283,7 @@ KIND = Kind(name="compass", summary="measures", family="app", entry=Compass, set
 
 
 def calibrations(robot: Robot) -> list[tuple[str, str, float]]:
-    with sqlite3.connect(robot.home / "robot.db") as database:
-        rows = database.execute("SELECT device, name, value FROM calibration ORDER BY name").fetchall()
-    database.close()
-    return rows
+    return databases.asked(robot.home / "robot.db", "SELECT device, name, value FROM calibration ORDER BY name")
 
 
 def test_what_a_capability_measures_is_written_down_and_restarts_nothing(robot):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.support import databases
 from tests.support.robot import Robot, lbr
 from tests.support.waiting import until
 
@@ -20,8 +21,7 @@ def sql(robot: Robot, script: str) -> None:
 
 
 def said(robot: Robot) -> dict[str, int]:
-    with closing(sqlite3.connect(robot.home / "robot.db")) as database:
-        return dict(database.execute("SELECT name, said FROM greeting").fetchall())
+    return dict(databases.asked(robot.home / "robot.db", "SELECT name, said FROM greeting"))
 
 
 def greet(robot: Robot, name: str) -> str:
@@ -47,8 +47,7 @@ def test_a_kind_brings_its_table_reads_it_and_writes_back_what_it_learns(robot):
     until(lambda: said(robot) == {"ann": 1, "bob": 0}, what="what it learnt is written")
     assert greet(robot, "ann") == "Good day, Ann."
     until(lambda: said(robot) == {"ann": 2, "bob": 0}, what="a row that it had is changed")
-    with closing(sqlite3.connect(robot.home / "robot.db")) as database:
-        (newest,) = database.execute("SELECT max(id) FROM revision").fetchone()
+    ((newest,),) = databases.asked(robot.home / "robot.db", "SELECT max(id) FROM revision")
     until(lambda: robot.status()["revision"] == newest, what="the rows were read again")
     assert robot.capability("greetings")["pid"] == pid
     sql(robot, "PRAGMA ignore_check_constraints = ON; UPDATE greeting SET text = '' WHERE name = 'bob'")

@@ -1,8 +1,6 @@
 """Rows on trial are kept once what they touch is ready, and else taken back: with a clock of the test's own, without a robot."""
 
-import sqlite3
 from collections.abc import Iterator
-from contextlib import closing
 
 import pytest
 from msgspec.structs import replace
@@ -151,9 +149,11 @@ def test_rows_that_are_refused_go_back_at_once(bench):
 
 def test_what_others_changed_since_stays(bench, database):
     apply(database, within_s=1.0)
-    with closing(sqlite3.connect(database.path, isolation_level=None)) as client:
-        client.execute("UPDATE robot SET model = 'other' WHERE name = 'uxa90'")
-        client.execute("INSERT INTO phrase VALUES ('ouch', 'en', 'Ouch.')")
+    databases.edit(
+        database.path,
+        "UPDATE robot SET model = 'other' WHERE name = 'uxa90'",
+        "INSERT INTO phrase VALUES ('ouch', 'en', 'Ouch.')",
+    )
     bench.adopt("starting")
     bench.look()
     bench.look(2.0)

@@ -1,9 +1,12 @@
 """A new database for each test, as the first run builds it: built once in a process, and copied."""
 
 import os
+import sqlite3
 import tempfile
+from contextlib import closing
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from lbr import plugins
 from lbr.database import store
@@ -18,6 +21,25 @@ def fresh(path: Path) -> Path:
     with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600), "wb") as file:
         file.write(_built())
     return path
+
+
+def in_home(home: Path) -> Path:
+    """Make the database of a home."""
+    return fresh(home / "robot.db")
+
+
+def edit(path: Path, *statements: str) -> None:
+    """Edit rows by another client: by statements, each of which may be several."""
+    with closing(sqlite3.connect(path, isolation_level=None)) as client:
+        client.execute("PRAGMA foreign_keys = ON")
+        for statement in statements:
+            client.executescript(statement)
+
+
+def asked(path: Path, statement: str, *values: object) -> list[tuple[Any, ...]]:
+    """Return the answer to a statement of another client."""
+    with closing(sqlite3.connect(path, timeout=5.0, isolation_level=None)) as client:
+        return client.execute(statement, values).fetchall()
 
 
 @cache
