@@ -121,7 +121,7 @@ class BusOperator:
         if result.hold is not None and not late_s < LATE_ANSWER_S:
             return self._too_late(result.hold, late_s)
         if result.hold is not None:
-            self._take(line, turn, result)
+            self._take(line, turn, result.hold)
         elif result.code == 0 and is_stop(line):
             self._quiet_until = time.monotonic() + SETTLE_S
         return result
@@ -182,11 +182,9 @@ class BusOperator:
         if self._latest is not None:
             self._latest.close()
 
-    def _take(self, line: str, turn: int, result: ConsoleResult) -> None:
-        if result.hold is None:
-            return
+    def _take(self, line: str, turn: int, hold: Hold) -> None:
         holder = LeaseKeeper(
-            self._session, result.hold, self._source, self.ear, on_end=lambda ending: self._ended(line, ending)
+            self._session, hold, self._source, self.ear, on_end=lambda ending: self._ended(line, ending)
         )
         with self._lock:
             late = turn != self._said
@@ -194,7 +192,7 @@ class BusOperator:
             if not late:
                 self._holder = holder
         if late:
-            stop(self._session, result.hold.stop_key, self._source, "another line was said meanwhile")
+            stop(self._session, hold.stop_key, self._source, "another line was said meanwhile")
             return
         if before is not None:
             before.drop()
