@@ -13,7 +13,7 @@ its own: the bus, what its numbers mean, and a program that releases them after 
             line = open_servo_line(device, self.ctx.settings.baud, MARGIN_S)
             return ServoLink(bus=StsBus(line, urgent=urgent), model=StsModel(), guard=…, recovery=…)
 
-`contract` says what bus and model do. See docs/drivers.md.
+`contract` says what bus and model do. See docs/servo_drivers.md.
 """
 
 from collections.abc import Mapping
