@@ -10,7 +10,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -326,6 +326,7 @@ def test_the_token_is_exchanged_for_a_cookie_that_scripts_and_other_sites_cannot
 
 def test_another_sites_page_gets_nothing(page):
     with page.ask("/cameras", Origin="https://elsewhere.example") as response:
+        assert response.status == 403
         assert not [name for name in response.headers if name.lower().startswith("access-control-")]
         assert response.headers["Cross-Origin-Resource-Policy"] == "same-origin"
         assert "frame-ancestors 'none'" in response.headers["Content-Security-Policy"]
@@ -394,43 +395,6 @@ def test_who_signs_out_sees_nothing_more_and_others_do(cameras, page):
     assert page.get("/sessions", method="DELETE")[0] == 204
     assert page.get("/cameras", token="", Cookie=theirs)[0] == 401
     assert page.get("/cameras")[0] == 200
-
-
-def unhurried(page, path, **asked):
-    """Return the status of an answer; what was asked before may have been too much a second."""
-    return until(lambda: (got := page.get(path, **asked)[0]) != 429 and got)
-
-
-@pytest.mark.parametrize("host", ["0.0.0.0", "[::]:1", "0", "evil.example", "localhost.", "user@localhost", "own"])
-@pytest.mark.parametrize("path", ["/", "/index.html", "/cameras", "/session", "/sessions", "/stream.mjpg", "/nothing"])
-def test_the_loopback_is_asked_by_its_own_names_alone(page, host, path):
-    shown = socket.gethostname() if host == "own" else host
-    for method in ("GET", "HEAD", "POST", "DELETE", "OPTIONS"):
-        assert unhurried(page, path, method=method, Host=shown) == 421
-
-
-@pytest.mark.parametrize(
-    "foreign",
-    [{"Origin": "http://evil.example"}, {"Origin": "null"}, {"Sec-Fetch-Site": "same-site"}, {"Referer": "http://a/"}],
-)
-def test_a_foreign_page_may_link_to_the_page_and_ask_nothing(page, foreign):
-    cookie = cookie_of(page)
-    for method, path in (("GET", "/cameras"), ("GET", "/stream.mjpg"), ("POST", "/session"), ("DELETE", "/sessions")):
-        assert unhurried(page, path, method=method, token="", Cookie=cookie, **foreign) == 403
-    assert unhurried(page, "/index.html", **foreign) == (403 if "Origin" in foreign else 200)
-    assert unhurried(page, "/cameras", token="", Cookie=cookie) == 200
-
-
-@pytest.mark.parametrize(
-    "sent", [b"", b"GET /cameras HTTP/1.1\r\nHost:", b"POST /session HTTP/1.1\r\nHost: localhost\r\n"]
-)
-def test_what_others_hold_open_denies_nobody(page, sent):
-    with ExitStack() as stack:
-        for _ in range(200):
-            held = stack.enter_context(socket.create_connection(("127.0.0.1", page.port), timeout=HANG_S))
-            with suppress(ConnectionError):
-                held.sendall(sent)
-        assert page.get("/cameras")[0] == 200
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can be somebody else")

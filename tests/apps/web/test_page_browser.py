@@ -465,39 +465,6 @@ def test_each_view_fits_each_screen_and_all_in_it_has_a_name(opened, robot, view
         assert (width, page.evaluate(SMALL)) == (width, [])
 
 
-def test_system_tells_of_parts_events_and_numbers(opened, robot):
-    page = opened.page(path="/#system")
-    expect(page.get_by_text("no loudspeaker").first).to_be_visible()
-    page.get_by_role("button", name="drive", exact=True).click()
-    page.get_by_role("button", name="Restart: drive").click()
-    page.get_by_role("dialog").get_by_role("button", name="Restart").click()
-    assert within(page, lambda: ("console", {"line": "/restart/drive"}) in robot.asked)
-    page.get_by_role("radio", name="Events").click()
-    expect(page.locator(".system-events li")).to_have_count(3)
-    page.get_by_label("Part").select_option("motors")
-    expect(page.locator(".system-events li")).to_have_text(re.compile("crashed an hour ago"))
-    page.get_by_role("radio", name="Chart").click()
-    expect(page.locator(".system-plot canvas")).to_be_visible()
-    page.get_by_label("Stream").select_option("attitude/state")
-    expect(page.get_by_role("button", name="heading deg")).to_be_visible()
-
-
-def test_it_speaks_german_and_keeps_what_was_chosen(opened, robot):
-    page = opened.page(locale="de-DE")
-    expect(page.get_by_role("link", name="Fahren")).to_be_visible()
-    assert page.evaluate("document.documentElement.lang") == "de"
-    page.get_by_role("link", name="System").click()
-    page.get_by_role("radio", name="Kameras").click()
-    expect(page.get_by_text("sendet", exact=True)).to_be_visible()
-    page.get_by_role("link", name="Fahren").click()
-    page.get_by_role("button", name="Einstellungen").click()
-    page.get_by_role("radio", name="Hell").click()
-    page.get_by_role("radio", name="English").click()
-    page.reload()
-    expect(page.get_by_role("link", name="Drive")).to_be_visible()
-    assert page.evaluate("document.documentElement.dataset.theme") == "light"
-
-
 def test_who_wants_the_robot_asks_and_who_holds_it_hands_it_over(opened, robot):
     holder, other = opened.page("phone"), opened.page()
     grip(holder)

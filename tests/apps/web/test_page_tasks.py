@@ -260,6 +260,15 @@ def test_find_the_part_that_is_not_well(at):
     expect(page.get_by_text("no loudspeaker").first).to_be_visible(timeout=LONG_MS)
 
 
+def test_read_what_happened_to_a_part(at):
+    page, _ = at("lbr", "system")
+    page.get_by_role("radio", name="Events").click()
+    expect(page.locator(".system-events li")).to_have_count(3)
+    page.get_by_label("Part").select_option("motors")
+    expect(page.locator(".system-events li")).to_have_text(re.compile("crashed an hour ago"))
+    page.get_by_role("radio", name="Parts").click()
+
+
 def test_restart_a_part(at):
     page, robot = at("lbr", "system")
     page.get_by_role("button", name="drive", exact=True).click()
@@ -285,6 +294,8 @@ def test_have_the_page_speak_german_in_a_light_room(house, size, at):
     press(page, "Settings")
     page.get_by_role("radio", name="Light").click()
     page.get_by_role("radio", name="Deutsch").click()
+    expect(page.get_by_role("link", name="Fahren")).to_be_visible()
+    page.reload()
     expect(page.get_by_role("link", name="Fahren")).to_be_visible()
     assert page.evaluate("[document.documentElement.lang, document.documentElement.dataset.theme]") == ["de", "light"]
     page.context.close()
