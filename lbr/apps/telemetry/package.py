@@ -3,15 +3,14 @@
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
+from msgspec import Struct
+
 from lbr.capability.context import Received
 from lbr.messages.attitude import AttitudeState
-from lbr.messages.battery import BatteryState
 from lbr.messages.camera import CamerasState
-from lbr.messages.dock import DockSignal
 from lbr.messages.imu import ImuSample
 from lbr.messages.motors import MotorsState
 from lbr.messages.odometry import OdometryState
-from lbr.messages.sensing import Ranges
 from lbr.messages.telemetry import (
     AmperagesPart,
     BatteryPart,
@@ -26,6 +25,7 @@ from lbr.messages.telemetry import (
 )
 
 P = TypeVar("P")
+S = TypeVar("S", bound=Struct)
 Latest = Callable[[str], Received | None]
 
 
@@ -38,13 +38,13 @@ def package(latest: Latest, now: float, time_s: float) -> Telemetry:
 
     return Telemetry(
         time_s=round(time_s, 3),
-        ranges=part("ranges", _ranges),
+        ranges=part("ranges", _same(RangesPart)),
         imu=_imu(latest("imu"), latest("attitude"), now),
         amperages=part("motors", _amperages),
-        battery=part("battery", _battery),
+        battery=part("battery", _same(BatteryPart)),
         counts=_counts(latest("motors"), latest("odometry"), now),
         voltages=part("motors", _voltages),
-        dock_signal=part("dock", _dock_signal),
+        dock_signal=part("dock", _same(DockSignalPart)),
         cameras=part("cameras", _cameras),
     )
 
@@ -70,17 +70,10 @@ def _oldest_s(now: float, *sources: Received | None) -> float | None:
     return max((_age_s(received, now) for received in sources if received is not None), default=None)
 
 
-def _ranges(ranges: Ranges, age_s: float) -> RangesPart:
-    return RangesPart(
-        age_s=age_s,
-        forward_m=ranges.forward_m,
-        left_m=ranges.left_m,
-        right_m=ranges.right_m,
-        back_m=ranges.back_m,
-        bottom_m=ranges.bottom_m,
-        cycle_s=ranges.cycle_s,
-        others_m=ranges.others_m,
-    )
+def _same(kind: type[S]) -> Callable[[Struct, float], S]:
+    """Return what makes a part of a message whose fields have the same names."""
+    names = [name for name in kind.__struct_fields__ if name != "age_s"]
+    return lambda message, age_s: kind(age_s=age_s, **{name: getattr(message, name) for name in names})
 
 
 def _imu(imu: Received | None, attitude: Received | None, now: float) -> ImuPart | None:
@@ -105,17 +98,6 @@ def _amperages(motors: MotorsState, age_s: float) -> AmperagesPart:
     return AmperagesPart(age_s=age_s, left_a=motors.amps_left_a, right_a=motors.amps_right_a)
 
 
-def _battery(battery: BatteryState, age_s: float) -> BatteryPart:
-    return BatteryPart(
-        age_s=age_s,
-        voltage_v=battery.voltage_v,
-        charge=battery.charge,
-        charging=battery.charging,
-        source=battery.source,
-        level=battery.level,
-    )
-
-
 def _counts(motors: Received | None, odometry: Received | None, now: float) -> CountsPart | None:
     if motors is None:
         return None
@@ -131,10 +113,6 @@ def _counts(motors: Received | None, odometry: Received | None, now: float) -> C
 
 def _voltages(motors: MotorsState, age_s: float) -> VoltagesPart:
     return VoltagesPart(age_s=age_s, battery_v=motors.voltage_v, internal_v=motors.internal_v, output_v=motors.output_v)
-
-
-def _dock_signal(dock: DockSignal, age_s: float) -> DockSignalPart:
-    return DockSignalPart(age_s=age_s, left=dock.left, right=dock.right, power=dock.power)
 
 
 def _cameras(cameras: CamerasState, age_s: float) -> CamerasPart:

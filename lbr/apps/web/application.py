@@ -98,7 +98,7 @@ class Gate:
         client = self._access.client(address, headers, token, port=port, owner=owner, whose=whose)
         return replace(client, whose=whose)
 
-    async def arguments(self, endpoint: "Endpoint", scope: Scope, receive: Receive) -> dict[str, Any]:
+    async def arguments(self, endpoint: "Endpoint", scope: Scope, receive: Receive) -> dict[str, object]:
         """Return the handler's arguments for an allowed request; raise Refused for any other."""
         route, promised, headers = endpoint.route, endpoint.contract, headers_of(scope)
         self.refuse_strangers(scope, headers, visit=route.page and is_visit(headers))

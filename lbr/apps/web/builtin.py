@@ -40,7 +40,8 @@ from lbr.bus.wire import PendingQuery
 from lbr.capability.kind import STOP
 from lbr.errors import MalformedError
 from lbr.messages.codes import heard
-from lbr.messages.leases import StopCommand
+from lbr.messages.description import Schema
+from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.system import ConsoleResult, EstopResetCommand
 
 STOPS = ("halt", "stop_motion")
@@ -74,7 +75,7 @@ class BuiltinRoutes:
         self._states = states
         self._place = place
         self._faces = faces
-        self._document: dict[str, Any] = {}
+        self._document: Schema = {}
         self._encoded: tuple[object, bytes] = (self, b"")
         self._begun = self._ended = 0
         self._refused: Refused | None = None
@@ -222,7 +223,7 @@ class BuiltinRoutes:
         )
 
 
-def _refusal(name: str, answer: Any) -> Refused | None:
+def _refusal(name: str, answer: CommandReply | None) -> Refused | None:
     """Return why something does not stop; None if it does."""
     if answer is None:
         return Refused(503, f"'{name}' does not answer", {"Retry-After": "1"})

@@ -48,7 +48,7 @@ class Contract:
     body: Any
     decodes: bool
     body_required: bool
-    replies: Mapping[int, Any]
+    replies: Mapping[int, object]
     refuses: Mapping[int, str]
     summary: str
     description: str
@@ -104,10 +104,10 @@ def _annotated(given: Mapping[str, inspect.Parameter], name: str) -> tuple[Any, 
     return get_args(annotation) if get_origin(annotation) is Annotated else (annotation,)
 
 
-def _returned(annotation: object) -> tuple[dict[int, Any], Refuses]:
+def _returned(annotation: object) -> tuple[dict[int, object], Refuses]:
     """Return the type for each status of success, and the statuses of refusals."""
     kind, *marks = get_args(annotation) if get_origin(annotation) is Annotated else (annotation,)
-    replies: dict[int, Any] = {}
+    replies: dict[int, object] = {}
     if kind not in {Response, inspect.Signature.empty}:
         replies = {204: None} if kind in {None, NoneType} else {200: kind}
     refuses = Refuses()

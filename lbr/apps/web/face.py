@@ -244,7 +244,7 @@ class Options(TypedDict, total=False):
     within_s: float
 
 
-H = TypeVar("H", bound=Callable[..., Any])
+H = TypeVar("H", bound=Callable[..., object])
 
 
 def route(method: Method, path: str, kind: type[Route] = Route, **options: Unpack[Options]) -> Callable[[H], H]:
@@ -291,7 +291,7 @@ class Face:
     def close(self) -> None:
         """End what goes on by itself, such as streams: the server ends."""
 
-    def state(self) -> Mapping[str, Any]:
+    def state(self) -> Mapping[str, object]:
         """Return what belongs into the stream of states besides the robot's own; from the capability's loop, often."""
         return {}
 

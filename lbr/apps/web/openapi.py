@@ -8,6 +8,7 @@ import msgspec
 
 from lbr.apps.web.contract import Contract, contract
 from lbr.apps.web.face import JSON, Message, Route
+from lbr.messages.description import Schema
 
 VERSION = "3.1.0"
 _TEMPLATE = "#/components/schemas/{name}"
@@ -26,17 +27,17 @@ WITH_ROLE: Mapping[int, str] = {
 WITH_BODY: Mapping[int, str] = {408: "The body did not come.", 415: "The body is not JSON."}
 
 
-def document(routes: Iterable[Route], *, title: str, description: str, version: str) -> dict[str, Any]:
+def document(routes: Iterable[Route], *, title: str, description: str, version: str) -> Schema:
     """Return the document of these routes."""
     documented = [(route, promised) for route in routes if (promised := contract(route)).summary]
-    kinds: list[Any] = [Message]
+    kinds: list[object] = [Message]
     for _route, promised in documented:
         kinds += [kind for kind in (promised.params, promised.body) if kind is not None]
         kinds += [reply for reply in promised.replies.values() if reply is not None and not isinstance(reply, str)]
     kinds = list({id(kind): kind for kind in kinds}.values())
     found, components = msgspec.json.schema_components(kinds, ref_template=_TEMPLATE)
     schemas = {id(kind): schema for kind, schema in zip(kinds, found, strict=True)}
-    paths: dict[str, dict[str, Any]] = {}
+    paths: dict[str, dict[str, object]] = {}
     for route, promised in documented:
         paths.setdefault(route.path, {})[route.method.lower()] = _operation(route, promised, schemas, components)
     return {
@@ -57,13 +58,13 @@ def document(routes: Iterable[Route], *, title: str, description: str, version: 
 
 
 def _operation(
-    route: Route, promised: Contract, schemas: Mapping[int, Any], components: Mapping[str, Any]
-) -> dict[str, Any]:
+    route: Route, promised: Contract, schemas: Mapping[int, Schema], components: Mapping[str, Schema]
+) -> dict[str, object]:
     parameters = [
         {"name": name, "in": "path", "required": True, "schema": {"type": "string", "minLength": 1}}
         for name in promised.keys
     ]
-    operation: dict[str, Any] = {
+    operation: dict[str, object] = {
         "operationId": _operation_id(route),
         "summary": promised.summary,
         **({"description": promised.description} if promised.description else {}),
@@ -83,7 +84,7 @@ def _operation(
     return operation
 
 
-def _query(schema: Mapping[str, Any], components: Mapping[str, Any]) -> list[dict[str, Any]]:
+def _query(schema: Schema, components: Mapping[str, Schema]) -> list[dict[str, object]]:
     whole = components[schema["$ref"].rpartition("/")[2]]
     required = set(whole.get("required", ()))
     return [

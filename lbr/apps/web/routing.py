@@ -6,7 +6,7 @@ compared as they were written: what is hidden behind percent signs is another pa
 
 import re
 from collections.abc import Iterable
-from typing import Any
+from typing import TypeVar
 from urllib.parse import parse_qsl, unquote_to_bytes
 
 import msgspec
@@ -19,6 +19,8 @@ from lbr.messages.in_words import in_words
 from lbr.messages.unreadable import UNREADABLE, keyed_once
 
 MOST_PARAMETERS = 64
+S = TypeVar("S", bound=Struct)
+T = TypeVar("T")
 _PLACE = re.compile(r" - at `\$(?:\.([^`]*))?`\Z")
 
 
@@ -57,7 +59,7 @@ def parameters(query_string: bytes) -> Query:
         raise Refused(400, f"a query may have {MOST_PARAMETERS} parameters") from None
 
 
-def converted(query: Iterable[tuple[str, str]], kind: type[Struct]) -> Any:
+def converted(query: Iterable[tuple[str, str]], kind: type[S]) -> S:
     """Return a query's parameters as a Struct; Refused (400) says which one does not fit, or came twice."""
     fields = {field.encode_name for field in msgspec.structs.fields(kind)}
     given: dict[str, str] = {}
@@ -71,7 +73,7 @@ def converted(query: Iterable[tuple[str, str]], kind: type[Struct]) -> Any:
         raise Refused(400, plain(err)) from None
 
 
-def decoded(body: bytes, kind: object) -> Any:
+def decoded(body: bytes, kind: type[T]) -> T:
     """Return a JSON body as what a route takes; Refused (400) says where it does not fit."""
     try:
         return msgspec.json.decode(keyed_once(body), type=kind)

@@ -22,7 +22,7 @@ REFUSED: Schema = {
 """A refusal as all are, with the rest of what the capability answered."""
 
 
-def with_robot(document: Mapping[str, Any], catalog: Catalog) -> dict[str, Any]:
+def with_robot(document: Schema, catalog: Catalog) -> Schema:
     """Return a server's document with a path for each stream and each command of its robot."""
     components = Components(document["components"]["schemas"])
     reply = components.add(msgspec.json.schema(CommandReply))
@@ -70,16 +70,16 @@ def _moved(schema: object, names: Mapping[str, str]) -> Any:
     return [_moved(one, names) for one in schema] if isinstance(schema, list) else schema
 
 
-def _reference(to: object, names: Mapping[str, str]) -> Any:
-    if not isinstance(to, str) or not to.startswith(_DEFS):
-        return to
-    name = to.removeprefix(_DEFS)
+def _reference(reference: object, names: Mapping[str, str]) -> object:
+    if not isinstance(reference, str) or not reference.startswith(_DEFS):
+        return reference
+    name = reference.removeprefix(_DEFS)
     return f"{_COMPONENTS}{names.get(name, name)}"
 
 
 def _paths(
     part: CapabilityDescription, catalog: Catalog, components: Components, reply: Schema, refusal: Mapping[str, object]
-) -> Iterator[tuple[str, dict[str, Any]]]:
+) -> Iterator[tuple[str, dict[str, object]]]:
     for name, schema in part.outputs.items():
         if f"{part.name}/{name}" in catalog.streams:
             yield f"/api/{part.name}/{name}", {"get": _stream(part, name, components.add(schema), refusal)}
@@ -88,7 +88,9 @@ def _paths(
         yield f"/api/{part.name}/{name}", {"post": _command(part, name, command, body, reply, refusal)}
 
 
-def _stream(part: CapabilityDescription, name: str, message: Schema, refusal: Mapping[str, object]) -> dict[str, Any]:
+def _stream(
+    part: CapabilityDescription, name: str, message: Schema, refusal: Mapping[str, object]
+) -> dict[str, object]:
     newest = {
         "type": "object",
         "properties": {"age_s": {"type": "number", "minimum": 0}, "message": message},
@@ -115,7 +117,7 @@ def _command(
     body: Schema,
     reply: Schema,
     refusal: Mapping[str, object],
-) -> dict[str, Any]:
+) -> dict[str, object]:
     held = (
         " It is held by a lease: repeat it with the lease of the answer, ten times a second." if command.leased else ""
     )
@@ -142,5 +144,5 @@ def _answer(command: CommandDescription, reply: Schema) -> Schema:
     return reply if command.leased else {"type": "object"}
 
 
-def _refusals(statuses: Mapping[int, str], refusal: Mapping[str, object]) -> dict[str, Any]:
+def _refusals(statuses: Mapping[int, str], refusal: Mapping[str, object]) -> dict[str, object]:
     return {str(status): {"description": why, "content": refusal} for status, why in sorted(statuses.items())}

@@ -131,7 +131,7 @@ class Requests:
         return json(answer.get("data"))
 
 
-async def answered(question: PendingQuery, within_s: float) -> dict[str, Any]:
+async def answered(question: PendingQuery, within_s: float) -> dict[str, object]:
     """Return what the robot answers; Refused (503) if that does not come in time, or cannot be read."""
     await until(lambda: question.done or bool(question.replies))
     if not question.replies:
@@ -153,7 +153,7 @@ def payload_of(message: object) -> bytes:
         raise Refused(400, f"the message cannot be passed on: {err}") from None
 
 
-def replied(answer: dict[str, Any], statuses: Mapping[str, int] = MappingProxyType({})) -> Response:
+def replied(answer: dict[str, object], statuses: Mapping[str, int] = MappingProxyType({})) -> Response:
     """Return a reply; one that refuses says so by its status, and in the words of all refusals besides."""
     if answer.get("accepted") is not False:
         return json(answer)
@@ -162,7 +162,7 @@ def replied(answer: dict[str, Any], statuses: Mapping[str, int] = MappingProxyTy
     return json({**answer, "message": str(answer.get("reason", "")), "code": code}, status, Reason_Code=_code(code))
 
 
-def _decoded(raw: RawMessage) -> dict[str, Any]:
+def _decoded(raw: RawMessage) -> dict[str, object]:
     try:
         answer = codec.decode(raw.payload)
     except MalformedError as err:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import msgspec
 
@@ -162,7 +162,7 @@ class Api:
         command = self.known.commands.get(wanted.to) if self.known is not None else None
         return silent_s(command, wanted.message)
 
-    def _slowed(self, wanted: Wanted, speed: float) -> Mapping[str, Any]:
+    def _slowed(self, wanted: Wanted, speed: float) -> Mapping[str, object]:
         command = self.known.commands.get(wanted.to) if self.known is not None else None
         return slowed(command, wanted.message, speed)
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, TypeVar
 
 import msgspec
 from msgspec import Meta, Struct
@@ -25,6 +25,7 @@ from lbr.messages.motion_work import (
     Checked,
     CheckJob,
     Frames,
+    Job,
     NotDone,
     ReadJob,
     ReadMotions,
@@ -278,7 +279,7 @@ class Building:
             raise Refused(400, text, code="not_possible")
         return motion
 
-    async def _done(self, job: Any, kind: type[T]) -> T:
+    async def _done(self, job: Job, kind: type[T]) -> T:
         """Have a job done, and return what came of it; Refused says why nothing did."""
         work = self._works.start(job)
         if work is None:
