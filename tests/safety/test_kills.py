@@ -1,11 +1,7 @@
 """Whatever process is killed while the robot drives, the motors stand and stay so."""
 
-import random
-
-import pytest
-
 from tests.safety.limits import holds
-from tests.scenarios import kills, orphans
+from tests.scenarios import kills
 
 
 def test_a_killed_motor_driver_leaves_the_motors_standing():
@@ -27,9 +23,3 @@ def test_a_killed_executive_leaves_the_motors_standing_and_no_process():
     results = holds(lambda results: kills.kill_executive(results, 2))
     assert results.of("S6").n == 2
     assert results.of("S6 gone").n == 2
-
-
-@pytest.mark.parametrize("seed", [1, 5])
-def test_a_whole_robot_leaves_no_process_when_it_was_frozen_and_the_executive_is_killed(seed):
-    results = holds(lambda results: orphans.anything_frozen(results, 1, dice=random.Random(seed)))
-    assert results.of("S6 frozen").n == 1

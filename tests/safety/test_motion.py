@@ -6,9 +6,8 @@ from collections.abc import Callable
 import pytest
 
 from lbr.bus import session, stamp
-from tests.safety.limits import holds
 from tests.scenarios import bounds, estop, writers
-from tests.support.bench import Bench, bench
+from tests.support.bench import Bench
 from tests.support.figures import Results
 
 Held = Callable[[Callable[[Bench], None]], Results]
@@ -20,14 +19,6 @@ def test_a_timed_move_ends(held: Held):
 
 def test_a_move_to_a_range_ends_when_it_is_crossed(held: Held):
     assert held(bounds.range_crossed).of("S18 range").n == 1
-
-
-def test_a_move_towards_a_wall_ends_at_its_range():
-    def scenario(results: Results) -> None:
-        with bench(results) as facing_the_wall:
-            bounds.wall_approached(facing_the_wall)
-
-    assert holds(scenario).of("S18 range").n == 2
 
 
 @pytest.mark.parametrize("press", [estop.by_console, estop.by_put], ids=lambda press: press.__name__)
