@@ -611,6 +611,7 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'ranges.readings', 'drive.ranges', 1),
     ('lbr', 'imu.sample', 'attitude.samples', 32),
     ('lbr', 'imu.sample', 'telemetry.imu', 32),
+    ('lbr', 'drive.state', 'attitude.drive', 1),
     ('lbr', 'attitude.motion', 'drive.command', 1),
     ('lbr', 'attitude.halt', 'drive.stop', 1),
     ('lbr', 'attitude.state', 'drive.attitude', 1),

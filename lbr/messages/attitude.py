@@ -14,7 +14,7 @@ class AttitudeState(Struct, frozen=True, kw_only=True):
     yaw in `orientation` (w, x, y, z, body to world) continues by gyro. `turned_deg`: the turn since `epoch` began,
     clockwise positive, past 360 and without jumps; another `epoch` starts over. `gyro_bias_rps`: along the
     body's axes. `magnetic`: the magnetometer is used now. `calibrated`: it was ever calibrated. `still`: the body does
-    not turn. `measured_s`: monotonic time of its newest sample.
+    not turn. `rests`: nor does the base drive; published twice a second. `measured_s`: monotonic time of its sample.
     """
 
     valid: bool
@@ -33,6 +33,7 @@ class AttitudeState(Struct, frozen=True, kw_only=True):
     still: bool = False
     magnetic: bool = False
     calibrated: bool = False
+    rests: bool = False
 
 
 class ObserveCommand(Struct, frozen=True, kw_only=True):

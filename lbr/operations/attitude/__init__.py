@@ -4,7 +4,7 @@ from lbr.capability.kind import Kind, Rows
 from lbr.capability.word import Word
 from lbr.messages.attitude import AttitudeState, CalibrateCommand, CalibrationProgress, ObserveCommand
 from lbr.messages.calibration import CalibrationValue
-from lbr.messages.drive import DriveCommand
+from lbr.messages.drive import DriveCommand, DriveState
 from lbr.messages.imu import ImuSample
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.operations.attitude.settings import AttitudeSettings
@@ -15,7 +15,7 @@ KIND = Kind(
     family="operation",
     entry="lbr.operations.attitude.capability:Attitude",
     settings=AttitudeSettings,
-    inputs={"samples": ImuSample},
+    inputs={"samples": ImuSample, "drive": DriveState},
     outputs={"state": AttitudeState, "calibration": CalibrationProgress},
     commands={"calibrate": CalibrateCommand, "observe": ObserveCommand, "stop": StopCommand},
     replies={

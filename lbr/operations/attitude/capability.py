@@ -2,11 +2,14 @@
 
 from math import inf, isfinite
 
+from msgspec.structs import replace
+
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.calibration import CalibrationValue, values
 from lbr.messages.leases import CommandReply
+from lbr.messages.motors import RESTS_S
 from lbr.operations.attitude.calibration import Calibration
 from lbr.operations.attitude.fusion import Fusion
 from lbr.operations.attitude.gravity import Gravity
@@ -16,7 +19,9 @@ from lbr.operations.attitude.turns import Turns
 TELL_S = 0.5
 """The time that nothing may be known before the capability calls itself degraded."""
 STILL_S = 0.07
-"""The pace of reports of a body that turns about no axis: at every second tick as the row comes."""
+"""The period of reports of a body that turns about no axis: at every second tick as the row comes."""
+RESTS_AFTER_S, RESTING_S = 1.0, 0.5
+"""After so long without a turn a body whose base stands is reported in long periods."""
 
 
 class Attitude(Capability[AttitudeSettings]):
@@ -35,8 +40,8 @@ class Attitude(Capability[AttitudeSettings]):
         self._calibration = Calibration(ctx, self._fusion)
         self._known_s = -inf
         self._warned = ""
-        self._told_s = -inf
-        self._rests = False
+        self._published: AttitudeState | None = None
+        self._published_s = self._turned_s = -inf
 
     def open(self) -> None:
         """Say so if the calibration that there is cannot be used."""
@@ -52,11 +57,11 @@ class Attitude(Capability[AttitudeSettings]):
             self._calibration.take(received.message)
         if self.ctx.on_tick:
             now = self.ctx.clock()
-            state = self._fusion.state(now)
-            if not (self._rests and state.valid and state.still) or now - self._told_s >= STILL_S:
-                self._told_s, self._rests = now, state.valid and state.still
+            state = self._resting(self._fusion.state(now), now)
+            if now - self._published_s >= self._period_s(state):
+                self._published, self._published_s = state, now
                 self.ctx.publish("state", state)
-            self._calibration.published(state)
+                self._calibration.published(state)
             for told in self._turns.look(state, now):
                 self.ctx.event(told.kind, told.text, data=dict(told.data))
             self._tell_health(state, now)
@@ -86,6 +91,21 @@ class Attitude(Capability[AttitudeSettings]):
         """End a calibration's motion."""
         self._calibration.close()
 
+    def _resting(self, state: AttitudeState, now: float) -> AttitudeState:
+        """Return the state, with its flag if body and base are at rest; without a drive it is never set."""
+        if not (state.valid and state.still):
+            self._turned_s = now
+        drive = self.ctx.latest("drive")
+        stands = drive is not None and not drive.message.moving and drive.age_s(now) <= RESTS_S
+        return replace(state, rests=True) if stands and now - self._turned_s >= RESTS_AFTER_S else state
+
+    def _period_s(self, state: AttitudeState) -> float:
+        """Return how long after the one before this state is published: at once, if it is another one."""
+        before = self._published
+        if before is None or _kind(before) != _kind(state) or not (state.valid and state.still):
+            return 0.0
+        return RESTING_S if state.rests else STILL_S
+
     def _observe(self, call: Call) -> None:
         now = self.ctx.clock()
         trouble = self._turns.watch(call.message.angle_deg, self._fusion.state(now), now)
@@ -103,6 +123,12 @@ class Attitude(Capability[AttitudeSettings]):
         elif now - self._known_s > TELL_S and _gist(state.reason) != _gist(self._warned):
             self._warned = state.reason
             self.ctx.warn(state.reason, "stale_sensor" if isfinite(self._known_s) else "not_ready")
+
+
+def _kind(state: AttitudeState) -> tuple[object, ...]:
+    """Return what is published at once when it changes."""
+    known = state.heading_deg is not None, state.magnetic, state.calibrated
+    return (state.valid, state.still, state.rests, state.epoch, *known)
 
 
 def _gist(reason: str) -> str:

@@ -1,17 +1,20 @@
 """The belief about the attitude: how far the base has turned, how fast it turns and where it looks."""
 
-from math import isfinite, nan
+from math import inf, isfinite, nan
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.messages.attitude import AttitudeState
+from lbr.messages.motors import RESTS_S
 from lbr.operations.drive.settings import DriveSettings
 
 JUMP_DEG = 5.0
 JUMP_SHARE = 1.5
 """Turning faster than at full power, by this much, is nothing that a base does."""
 SMOOTHING = 0.5
+BEGAN_S = 0.08
+"""A body at rest is reported at once when it begins to turn: it did so no longer ago."""
 
 
 class HeadingView(Struct, frozen=True, kw_only=True):
@@ -27,6 +30,7 @@ class HeadingView(Struct, frozen=True, kw_only=True):
     heading_deg: float = nan
     heading_reason: str = "it was not heard yet"
     seen: float = nan
+    rests: bool = False
 
 
 UNHEARD = HeadingView()
@@ -45,18 +49,25 @@ def see(before: HeadingView, attitude: AttitudeState, arrived: float, settings: 
         heading_deg=_heading_deg(attitude),
         heading_reason=attitude.heading_reason or "it is not measured",
         seen=seen,
+        rests=attitude.rests,
     )
     return (
         newest if newest.trouble or before.trouble or newest.epoch != before.epoch else _after(before, newest, settings)
     )
 
 
-def not_known(heading: HeadingView, settings: DriveSettings, now: float) -> str:
-    """Return why the base cannot turn by the attitude now, or nothing; comparisons are such that NaN cannot."""
+def not_known(heading: HeadingView, settings: DriveSettings, now: float, since: float = -inf) -> str:
+    """Return why the base cannot turn by the attitude now, or nothing; comparisons are such that NaN cannot.
+
+    An attitude at rest may be older before a turn, and has the usual time to be renewed `since` its beginning.
+    """
     if heading.trouble:
         return heading.trouble
-    oldest_s = settings.attitude_max_age_s
-    return "" if now - heading.seen <= oldest_s else f"the attitude is older than {oldest_s:g} s"
+    oldest_s = (
+        max(settings.attitude_max_age_s, RESTS_S) if heading.rests and since == -inf else settings.attitude_max_age_s
+    )
+    seen = max(heading.seen, since) if heading.rests else heading.seen
+    return "" if now - seen <= oldest_s else f"the attitude is older than {oldest_s:g} s"
 
 
 def shortest_deg(heading_deg: float, wanted_deg: float) -> float:
@@ -72,7 +83,8 @@ def _after(before: HeadingView, newest: HeadingView, settings: DriveSettings) ->
     if not abs(way_deg) <= most_deg:
         return replace(newest, trouble=f"the attitude jumped by {way_deg:.0f} degrees within {elapsed_s:.2f} s")
     fastest_dps = JUMP_SHARE * settings.max_turn_dps
-    newest_dps = max(-fastest_dps, min(fastest_dps, way_deg / elapsed_s))
+    turning_s = min(elapsed_s, BEGAN_S) if before.rests and not newest.rests else elapsed_s
+    newest_dps = max(-fastest_dps, min(fastest_dps, way_deg / turning_s))
     rate_dps = before.rate_dps + (newest_dps - before.rate_dps) * SMOOTHING
     return replace(newest, rate_dps=rate_dps)
 

@@ -141,7 +141,7 @@ def driven(turn: TurnGoal, left_power: float, elapsed_s: float, settings: DriveS
 def fault(turn: TurnGoal, settings: DriveSettings, now: float) -> Reason | None:
     """Return what is wrong with a turn, or nothing; comparisons are such that NaN is wrong."""
     heading = turn.heading
-    if why := heading_view.not_known(heading, settings, now):
+    if why := heading_view.not_known(heading, settings, now, since=turn.ends - turn.allowed_s):
         return Reason("stale_sensor", why)
     if heading.epoch != turn.epoch:
         return Reason("stale_sensor", "the attitude started over in the middle of the turn")

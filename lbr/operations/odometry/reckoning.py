@@ -16,7 +16,7 @@ WRAP = 2**32
 JUMP_M = 0.1
 JUMP_SHARE = 2.0
 LOOK_S = 0.2
-"""An attitude older than this turns nothing."""
+"""An attitude older than this turns nothing; one at rest counts from when the wheels rested last."""
 NO_COUNTS = "the motor controller tells no encoder counts; look at its encoders' settings"
 
 
@@ -58,9 +58,11 @@ class Reckoning:
         diameters_m = (settings.wheel_diameter_m if one is None else one for one in base.diameters_m)
         self._per_count_m = tuple(pi * one / settings.counts_per_turn for one in diameters_m)
         self._look: tuple[str, float, float] | None = None
+        self._look_rests = False
         self._trouble = "the motor driver was not heard yet"
         self._run = self._fresh()
         self._rests = False
+        self._rested_s = -inf
 
     @property
     def epoch(self) -> str:
@@ -71,6 +73,7 @@ class Reckoning:
         """Take in the attitude; what is not valid is not used."""
         turned_deg = attitude.turned_deg
         known = attitude.valid and turned_deg is not None and isfinite(turned_deg) and isfinite(attitude.measured_s)
+        self._look_rests = attitude.rests
         self._look = (attitude.epoch, turned_deg, attitude.measured_s) if known and turned_deg is not None else None
 
     def count(self, motors: MotorsState, now: float) -> None:
@@ -80,6 +83,7 @@ class Reckoning:
             self._fail(NO_COUNTS if motors.reason == "" or motors.armed else f"{NO_COUNTS} ({motors.reason})")
             return
         began, self._rests = self._rests and not motors.rests, motors.rests
+        self._rested_s = now if motors.rests else self._rested_s
         before, self._run.counts = self._run.counts, counts
         if self._trouble or before is None:
             self._trouble = ""
@@ -178,7 +182,8 @@ class Reckoning:
         before, self._run.seen = self._run.seen, self._look
         if before is None or self._look is None or before[0] != self._look[0]:
             return None
-        return -radians(self._look[1] - before[1]) if self._run.counted_s - self._look[2] <= LOOK_S else None
+        looked_s = max(self._look[2], self._rested_s) if self._look_rests else self._look[2]
+        return -radians(self._look[1] - before[1]) if self._run.counted_s - looked_s <= LOOK_S else None
 
     def _feel(self, motors: MotorsState, way_m: tuple[float, ...], elapsed_s: float) -> None:
         """Look whether a wheel stands that is pushed, and whether the wheels turn otherwise than the body."""

@@ -2,6 +2,8 @@
 
 import pytest
 
+from lbr.messages.drive import DriveState
+
 
 def turn(bench, degrees, rate_dps=50.0):
     bench.drive.lease, bench.drive.power, bench.drive.until_s = "x", rate_dps / 400.0, bench.clock() + 1e9
@@ -55,6 +57,67 @@ def test_what_cannot_be_watched_is_refused_with_the_reason(bench):
     bench.deaf = True
     bench.run(1.0)
     assert "no sample" in bench.observe(10.0).answer.reason
+
+
+def drives(bench, *, moving):
+    bench.arrive(
+        "drive",
+        DriveState(
+            moving=moving,
+            power=0.0,
+            angle_deg=0.0,
+            left=0.0,
+            right=0.0,
+            holder=None,
+            goal=None,
+            limited_by="",
+            reason="",
+            estop=False,
+            loop=None,
+        ),
+    )
+
+
+def stands(bench, seconds):
+    """Let a base stand that says so twice a second, and return the states of that time."""
+    before = len(bench.said("state"))
+    for _ in range(round(2 * seconds)):
+        drives(bench, moving=False)
+        bench.run(0.5)
+    return bench.said("state")[before:]
+
+
+def test_a_body_at_rest_is_reported_twice_a_second(bench):
+    stands(bench, 1.5)
+    states = stands(bench, 4.0)
+    assert 7 <= len(states) <= 9
+    assert all(state.rests and state.valid for state in states)
+
+
+@pytest.mark.parametrize("rate_dps", [0.0, 60.0], ids=["the base is to move", "the body is pushed"])
+def test_a_motion_is_reported_at_once_and_as_often_as_ever(bench, rate_dps):
+    stands(bench, 3.0)
+    before = len(bench.said("state"))
+    drives(bench, moving=not rate_dps)
+    bench.drive.rate_dps = lambda _now: rate_dps
+    bench.run(0.1)
+    assert [state.rests for state in bench.said("state")[before:]].count(False) >= 1
+    bench.run(1.0)
+    assert len(bench.said("state")) - before > 10
+
+
+def test_a_body_whose_base_says_nothing_is_not_at_rest(bench):
+    stands(bench, 3.0)
+    assert bench.state().rests
+    bench.run(1.5)
+    assert not bench.state().rests
+
+
+def test_silence_of_the_inertial_unit_is_reported_at_rest_as_soon_as_ever(bench):
+    stands(bench, 3.0)
+    bench.deaf = True
+    bench.run(0.26)
+    assert not bench.state().valid
 
 
 def test_the_state_is_published_with_reason_and_health_follows(bench):

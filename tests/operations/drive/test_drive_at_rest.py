@@ -1,4 +1,4 @@
-"""Motors and odometry at rest are heard twice a second: a motion begins at once, and ends by them as ever."""
+"""Motors, odometry and attitude at rest are heard twice a second: a motion begins at once, and ends by them as ever."""
 
 import pytest
 from msgspec.structs import replace
@@ -67,3 +67,40 @@ def test_a_distance_begins_by_odometry_at_rest_and_ends_without_it_as_ever(speak
         body.step()
     assert (body.wheels == STILL) is bool(ends)
     assert [ends in result.reason for result in body.results] == [True] * bool(ends)
+
+
+def resting_body(age_s):
+    body = Body()
+    body.now += 0.01
+    body.look(turned_deg=body.turned_deg, heading_deg=0.0, rests=True)
+    body.now += age_s
+    body.sense()
+    return body
+
+
+@pytest.mark.parametrize(("age_s", "accepted"), [(0.21, True), (1.19, True), (1.21, False)])
+def test_an_attitude_at_rest_may_be_older_before_a_turn(age_s, accepted):
+    reply = resting_body(age_s).turn(90.0)
+    assert reply.accepted is accepted
+    assert accepted or "1.2 s" in reply.reason
+
+
+@pytest.mark.parametrize(("speaks", "ends"), [(True, ""), (False, "the attitude is older than 0.2 s")])
+def test_a_turn_begins_by_an_attitude_at_rest_and_ends_without_a_newer_one_as_ever(speaks, ends):
+    body = resting_body(0.9)
+    reply = body.turn(90.0)
+    assert reply.accepted, reply.reason
+    body.attitude_speaks = speaks
+    for tick in range(11):
+        if tick % 5 == 0:
+            body.sense()
+            body.turn(90.0, lease=reply.lease)
+        body.step()
+    assert (body.wheels == STILL) is bool(ends)
+    assert [ends in result.reason for result in body.results] == [True] * bool(ends)
+
+
+def test_the_first_rate_of_a_turn_is_not_spread_over_the_rest_before_it():
+    body = resting_body(0.5)
+    body.look(turned_deg=body.turned_deg + 8.0, heading_deg=8.0)
+    assert body.state.heading.rate_dps == pytest.approx(50.0)

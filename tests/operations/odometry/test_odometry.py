@@ -123,6 +123,19 @@ def test_an_attitude_that_is_not_known_turns_nothing(base, fields):
     assert base.roll(0.1, 0.1, rounds=1).yaw_rad == pytest.approx(0.0, abs=0.05)
 
 
+@pytest.mark.parametrize(("comes", "turned_rad"), [(True, -pi / 2), (False, 0.22)], ids=["it comes", "it is lost"])
+def test_an_attitude_at_rest_is_known_until_the_wheels_have_moved_for_a_while(base, comes, turned_rad):
+    base.see(0.0, rests=True)
+    for _ in range(3):
+        base.roll(0.0, 0.0, rounds=3, rests=True)
+    assert base.roll(0.01, 0.01, rounds=1).yaw_rad == pytest.approx(0.0, abs=0.001)
+    base.roll(0.01, 0.01, rounds=1)
+    for turned_deg in range(0, 91, 3):
+        base.look = float(turned_deg) if comes else None
+        state = base.roll(0.01, 0.012, rounds=1)
+    assert state.yaw_rad == pytest.approx(turned_rad, abs=0.03), "by the body, or by the wheels"
+
+
 @pytest.mark.parametrize("sense", [1, -1])
 def test_counts_go_round_without_a_jump(sense):
     base = Base()

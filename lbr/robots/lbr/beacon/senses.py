@@ -7,6 +7,7 @@ from lbr.capability.context import Context
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.battery import BatteryState
 from lbr.messages.dock import DockSignal
+from lbr.messages.motors import RESTS_S
 from lbr.messages.sensing import Ranges
 from lbr.robots.lbr.beacon.moves import shortest
 from lbr.robots.lbr.beacon.view import Beam
@@ -33,8 +34,8 @@ class Senses:
     def direction_deg(self) -> float:
         """Return where the robot looks, clockwise from how it looks when docked; raise BlindError if that is not
         known."""
-        attitude: AttitudeState | None = self._newest("attitude", ATTITUDE_S)
-        if attitude is None:
+        attitude: AttitudeState | None = self._newest("attitude", RESTS_S)
+        if attitude is None or (self._newest("attitude", ATTITUDE_S) is None and not attitude.rests):
             raise BlindError("the robot does not say how it lies: the capability 'attitude' is silent")
         if not attitude.valid or attitude.turned_deg is None:
             raise BlindError(f"the robot does not know how it lies: {attitude.reason or 'no reason given'}")
