@@ -419,12 +419,7 @@ class Run:
         failure = frame.table.failure
         self._failing = why
         if frame.ending or not failure:
-            if len(self._frames) == 1:
-                self._end(good=False, why=why)
-                return
-            self._frames.pop()
-            self.order = self._frames[-1].todo[0]
-            self.ended(Outcome(False, Reason(why.code, f"'{frame.table.name}' failed: {why.text}")), self._now)
+            self._return(self._now, good=False)
             return
         self.transitions += 1
         frame.enter(failure, self._at(self._now), self._chance())

@@ -11,6 +11,7 @@ import msgspec
 from msgspec import Meta, Struct
 
 from lbr.errors import MalformedError
+from lbr.messages.plain import one_line
 
 PROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
 """The newest first; their messages are the same here."""
@@ -116,7 +117,7 @@ def parse(frame: str | bytes) -> Message:
     except RecursionError:
         raise MalformedError("the JSON is nested too deeply") from None
     except (msgspec.MsgspecError, ValueError, OverflowError) as err:
-        raise MalformedError("".join(one if one.isprintable() else " " for one in str(err))[:200]) from None
+        raise MalformedError(one_line(str(err))[:200]) from None
 
 
 def _json(data: bytes) -> Message:

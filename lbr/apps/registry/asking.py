@@ -12,6 +12,7 @@ import msgspec
 from lbr.bus import tokens
 from lbr.bus.tokens import Token
 from lbr.errors import BusError, InputError, LbrError
+from lbr.messages.plain import one_line
 from lbr.messages.unreadable import UNREADABLE
 
 ANSWER_S = 5.0
@@ -76,4 +77,4 @@ def _reason(said: bytes) -> str:
         text = str(msgspec.json.decode(said, type=dict[str, object]).get("reason", ""))
     except UNREADABLE:
         text = ""
-    return "".join(one if one.isprintable() else " " for one in text)[:200] or "without a reason"
+    return one_line(text)[:200] or "without a reason"

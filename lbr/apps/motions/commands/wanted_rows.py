@@ -16,6 +16,7 @@ from lbr.errors import InputError
 from lbr.messages.calibration import CalibrationValue
 from lbr.messages.faces import Button, Motor
 from lbr.messages.joints import Joint, Motion, MotionRow, MotionStep, motions_of
+from lbr.messages.plain import one_line
 from lbr.messages.rows import Row, short
 from lbr.robot.old_data import Note, Want
 
@@ -127,7 +128,7 @@ class _Taking:
                 rows.append(_row(kind, state.after))
             except (WrongError, msgspec.ValidationError) as err:
                 self._notes = [one for one in self._notes if (one.table, one.row) != (table, row_name)]
-                self._notes.append(Note("no_place", table, row_name, "", _plain(str(err))))
+                self._notes.append(Note("no_place", table, row_name, "", one_line(str(err)[:200])))
         return Imported(rows=tuple(rows), notes=tuple(self._notes), conflicts=tuple(self._conflicts))
 
     def _state(self, want: Want, key: tuple[object, ...]) -> _State:
@@ -194,11 +195,6 @@ def take_motions(motions: Iterable[Motion], rows: RobotRows, shipped: RawTables,
 
 def _row_name(key: Iterable[object]) -> str:
     return "/".join(map(short, key))
-
-
-def _plain(text: str) -> str:
-    """Return a sentence of another program as one printable line."""
-    return "".join(c if c.isprintable() else "?" for c in text[:200])
 
 
 def _clamped(asked: Motion, motion: Motion) -> Iterator[Note]:

@@ -76,9 +76,9 @@ def list_box(robot: str | None, as_json: bool) -> int:
     for incident in incidents:
         why = "why is not readable" if incident.why is None else str(incident.why)
         again = f" (and {incident.why.again} more)" if incident.why is not None and incident.why.again else ""
-        click.echo(_line(f"kept       {incident.path.name}  {incident.bytes / MB:.1f} MB  {why}{again}"))
+        click.echo(one_line(f"kept       {incident.path.name}  {incident.bytes / MB:.1f} MB  {why}{again}"))
     for path in made:
-        click.echo(_line(f"recording  {path.name}  {shelf.size_of([path]) / MB:.1f} MB"))
+        click.echo(one_line(f"recording  {path.name}  {shelf.size_of([path]) / MB:.1f} MB"))
     return 0
 
 
@@ -98,7 +98,7 @@ def show(
         return 0
     now = time.time_ns()
     if chosen.why is not None:
-        click.echo(_line(str(chosen.why)))
+        click.echo(one_line(str(chosen.why)))
     if not counted.topics:
         click.echo("nothing was recorded in that time")
         _tell_damage(counted.damage)
@@ -108,9 +108,9 @@ def show(
     click.echo(f"{chosen.name}: {span} ({times.length(seconds)})")
     width = max(map(len, counted.topics))
     for topic, one in sorted(counted.topics.items()):
-        click.echo(_line(f"{topic:<{width}}  {one.messages:>8}  {one.messages / seconds:7.1f} Hz  {one.message}"))
+        click.echo(one_line(f"{topic:<{width}}  {one.messages:>8}  {one.messages / seconds:7.1f} Hz  {one.message}"))
     for event in counted.events[-SHOWN_EVENTS:]:
-        click.echo(_line(f"{times.text(event.wall_ns, now)} {event.subject}: {event.text}"))
+        click.echo(one_line(f"{times.text(event.wall_ns, now)} {event.subject}: {event.text}"))
     _tell_damage(counted.damage)
     return 0
 
@@ -286,11 +286,7 @@ def _counted(chosen: Chosen, start_ns: int, end_ns: int) -> _Counted:
 
 def _tell_damage(damage: Damage) -> None:
     for text in damage.files:
-        click.echo(_line(text), err=True)
+        click.echo(one_line(text), err=True)
     if damage.places:
         what = "1 damaged place was" if damage.places == 1 else f"{damage.places} damaged places were"
         click.echo(f"{what} passed over ({damage.bytes} bytes)", err=True)
-
-
-def _line(text: str) -> str:
-    return one_line(text)

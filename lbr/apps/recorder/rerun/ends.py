@@ -9,13 +9,14 @@ import heapq
 import multiprocessing
 import select
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from multiprocessing.sharedctypes import Synchronized
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
-from lbr.apps.recorder.recording.lines import RecordedLine
+from lbr.apps.recorder.recording.lines import Answer, RecordedLine
 from lbr.drivers.i2c_bus import Read, Write, encode_transaction
 from lbr.errors import BusError, DeviceError
 from lbr.simulation.i2c import FramingError, RequestReader, refusal
@@ -66,55 +67,55 @@ class Clock:
         return min(self.end_ns, self.start_ns + time.monotonic_ns() - began_ns)
 
 
-class _End(Protocol):
-    """One device's end."""
+class _End(ABC):
+    """One device's end at a port: the questions that came, and those that were never asked in the recording."""
 
-    unlike: list[bytes]
-    asked: int
+    def __init__(self, line: RecordedLine, port: PtyPort | SocketPort, clock: Clock) -> None:
+        self.unlike: list[bytes] = []
+        self.asked = 0
+        self._line, self._port, self._clock = line, port, clock
+        self._at_ns = clock.now_ns()
+        port.plug()
 
     def fileno(self) -> int:
         """Return what to wait for."""
+        return self._port.fileno()
 
+    @abstractmethod
     def service(self) -> float:
         """Do what is due, and return in how many seconds the next thing is."""
 
     def close(self) -> None:
         """Take the device away."""
+        with suppress(DeviceError, OSError):
+            self._port.unplug()
 
+    def _answers(self, question: bytes) -> tuple[Answer, ...]:
+        """Count a question, and return its answers of about now."""
+        self.asked += 1
+        if not self._line.known(question) and len(self.unlike) < KEPT:
+            self.unlike.append(question)
+        return self._line.answers(question, self._clock.now_ns())
 
-class _Spoken:
-    """The device's own messages, as the clock goes on, and goes back."""
-
-    def __init__(self, line: RecordedLine, clock: Clock) -> None:
-        self._line, self._clock = line, clock
-        self._at_ns = clock.now_ns()
-
-    def due(self) -> list[bytes]:
-        """Return what has come since the last call."""
+    def _due(self) -> list[bytes]:
+        """Return the device's own messages since the last call, as the clock goes on, and goes back."""
         before, self._at_ns = self._at_ns, self._clock.now_ns()
         if self._at_ns < before:
             before = self._clock.start_ns
         return self._line.came(before, self._at_ns)
 
 
-class _TtyEnd:
+class _TtyEnd(_End):
     """A device at a pseudo-terminal."""
 
+    _port: PtyPort
+
     def __init__(self, line: RecordedLine, path: str, clock: Clock) -> None:
-        self.unlike: list[bytes] = []
-        self.asked = 0
-        self._line, self._clock = line, clock
-        self._spoken = _Spoken(line, clock)
-        self._port = PtyPort(path)
-        self._port.plug()
+        super().__init__(line, PtyPort(path), clock)
         self._waiting: list[tuple[int, int, bytes]] = []
         self._number = 0
         self._buffer = b""
         self._since = 0.0
-
-    def fileno(self) -> int:
-        """Return what to wait for."""
-        return self._port.fileno()
 
     def service(self) -> float:
         """Take questions, and say what is due."""
@@ -127,7 +128,7 @@ class _TtyEnd:
                 break
             self._buffer = self._buffer[len(question) :]
             self._answer(question)
-        for data in self._spoken.due():
+        for data in self._due():
             self._port.write(data)
         while self._waiting and self._waiting[0][0] <= time.monotonic_ns():
             self._port.write(heapq.heappop(self._waiting)[2])
@@ -135,35 +136,21 @@ class _TtyEnd:
             return max(0.0, (self._waiting[0][0] - time.monotonic_ns()) / 1e9)
         return WHOLE_S if self._buffer else ROUND_S
 
-    def close(self) -> None:
-        """Take the device away."""
-        with suppress(DeviceError, OSError):
-            self._port.unplug()
-
     def _answer(self, question: bytes) -> None:
-        self.asked += 1
-        if not self._line.known(question) and len(self.unlike) < KEPT:
-            self.unlike.append(question)
         now_ns = time.monotonic_ns()
-        for answer in self._line.answers(question, self._clock.now_ns()):
+        for answer in self._answers(question):
             self._number += 1
             heapq.heappush(self._waiting, (now_ns + int(SHARE * answer.after_ns), self._number, answer.data))
 
 
-class _I2cEnd:
+class _I2cEnd(_End):
     """Devices on an i2c bus at a socket."""
 
-    def __init__(self, line: RecordedLine, path: str, clock: Clock) -> None:
-        self.unlike: list[bytes] = []
-        self.asked = 0
-        self._line, self._clock = line, clock
-        self._port = SocketPort(path)
-        self._port.plug()
-        self._requests: dict[int, RequestReader] = {}
+    _port: SocketPort
 
-    def fileno(self) -> int:
-        """Return what to wait for."""
-        return self._port.fileno()
+    def __init__(self, line: RecordedLine, path: str, clock: Clock) -> None:
+        super().__init__(line, SocketPort(path), clock)
+        self._requests: dict[int, RequestReader] = {}
 
     def service(self) -> float:
         """Answer every transaction that came."""
@@ -186,47 +173,28 @@ class _I2cEnd:
                     self._port.drop(client)
         return ROUND_S
 
-    def close(self) -> None:
-        """Take the bus away."""
-        with suppress(DeviceError, OSError):
-            self._port.unplug()
-
     def _answered(self, question: bytes, due: int) -> bytes:
-        self.asked += 1
-        if not self._line.known(question) and len(self.unlike) < KEPT:
-            self.unlike.append(question)
-        answer = b"".join(one.data for one in self._line.answers(question, self._clock.now_ns()))
+        answer = b"".join(one.data for one in self._answers(question))
         if answer[:1] == b"\0" and len(answer) != due + 1:
             return refusal() if due else b"\0"
         return answer or refusal()
 
 
-class _TalkingEnd:
+class _TalkingEnd(_End):
     """A device at a socket that talks by itself; what it is told changes nothing."""
 
-    def __init__(self, line: RecordedLine, path: str, clock: Clock) -> None:
-        self.unlike: list[bytes] = []
-        self.asked = 0
-        self._spoken = _Spoken(line, clock)
-        self._port = SocketPort(path)
-        self._port.plug()
+    _port: SocketPort
 
-    def fileno(self) -> int:
-        """Return what to wait for."""
-        return self._port.fileno()
+    def __init__(self, line: RecordedLine, path: str, clock: Clock) -> None:
+        super().__init__(line, SocketPort(path), clock)
 
     def service(self) -> float:
         """Say what is due."""
         self._port.receive()
-        for data in self._spoken.due():
+        for data in self._due():
             for client in self._port.clients:
                 self._port.send(client, data)
         return ROUND_S
-
-    def close(self) -> None:
-        """Take the device away."""
-        with suppress(DeviceError, OSError):
-            self._port.unplug()
 
 
 class Ends:

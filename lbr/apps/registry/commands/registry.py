@@ -14,6 +14,7 @@ from lbr.bus import tokens
 from lbr.bus.tokens import Token
 from lbr.commands.options import FileName, json_option, print_json
 from lbr.errors import InputError
+from lbr.messages.plain import one_line
 from lbr.messages.unreadable import UNREADABLE
 
 PORT = 9147
@@ -97,7 +98,7 @@ def list_robots(url: str, token_file: Path | None, as_json: bool) -> int:
     for robot in robots:
         ways = ", ".join((*robot.urls, *robot.endpoints)) or "no way in from other machines"
         state = "up" if robot.up else f"gone for {robot.seen_s:.0f} s"
-        click.echo(_printable(f"{robot.name}  {robot.robot}  {state}  {ways}  (from {robot.address})"))
+        click.echo(one_line(f"{robot.name}  {robot.robot}  {state}  {ways}  (from {robot.address})"))
     return 0
 
 
@@ -111,7 +112,3 @@ def _token(path: Path | None) -> Token:
         raise InputError(
             f"{path or own} cannot be read ({err.strerror}): name a file by --token-file, or set {VARIABLE}"
         ) from err
-
-
-def _printable(text: str) -> str:
-    return "".join(one if one.isprintable() else "?" for one in text)
