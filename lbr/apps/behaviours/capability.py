@@ -74,8 +74,8 @@ class Behaviours(Capability[BehaviourSettings]):
         self._stepped_at = ctx.clock()
         self._ticket = -1
         self._aside: list[tuple[str, PendingReply]] = []
-        self._last = self._told = RESTING
-        self._tell_at = 0.0
+        self._last = self._published = RESTING
+        self._publish_at = 0.0
         self.dice = random.Random()
         self._stopped_s = -inf
         self._halts = Halts(at=ctx.clock())
@@ -101,11 +101,11 @@ class Behaviours(Capability[BehaviourSettings]):
         if self._run is not None:
             self._go_on(self._run)
         self.rate_hz = IDLE_HZ if self._run is None else RUNNING_HZ
-        self._hear_of_asides()
+        self._read_asides()
         self._looked = bool(self._files)
         if self._files:
             self._answer_or_refuse(self._files.popleft())
-        self._tell()
+        self._publish()
 
     def command(self, call: Call) -> None:
         """Answer the words; of what pages ask of written tables one in a round, what else they ask waits."""
@@ -118,7 +118,7 @@ class Behaviours(Capability[BehaviourSettings]):
                 return
             self._looked = True
         self._answer_or_refuse(call)
-        self._tell()
+        self._publish()
 
     def close(self) -> None:
         """End the run, and stop what it moves."""
@@ -150,7 +150,7 @@ class Behaviours(Capability[BehaviourSettings]):
                 self._follow(message)
                 call.reply(CommandReply(accepted=True))
             case "list":
-                call.reply(CommandReply(accepted=True, reason=self._library.listed(self._told)))
+                call.reply(CommandReply(accepted=True, reason=self._library.listed(self._published)))
             case "show":
                 assert isinstance(message, NamedBehaviour)
                 call.reply(CommandReply(accepted=True, reason=self._drawing(message.name)))
@@ -296,7 +296,7 @@ class Behaviours(Capability[BehaviourSettings]):
             self._aside = [*self._aside, (way, self.ctx.ask(way, order, ASIDE_S))][-MOST_ASIDE:]
         run.ended(DONE, now)
 
-    def _hear_of_asides(self) -> None:
+    def _read_asides(self) -> None:
         """Tell of what was not said, or is not looked for."""
         for way, asked in [one for one in self._aside if one[1].answers() is not None]:
             self._aside.remove((way, asked))
@@ -313,7 +313,7 @@ class Behaviours(Capability[BehaviourSettings]):
         """
         moved = (*self.ctx.targets("seek"), *self.ctx.targets("play"))  # what it has moved stops for it, too
         own = {"", self.ctx.name, *moved}
-        for received in (one for stream in WATCHED for one in self._senses.came(stream)):
+        for received in (one for stream in WATCHED for one in self._senses.arrived(stream)):
             state = received.message
             if state.estop and received.arrived > self._began:
                 return Reason("estop", state.reason or "emergency stop")
@@ -376,10 +376,10 @@ class Behaviours(Capability[BehaviourSettings]):
         self._streams |= frozenset(key.stream for table in tables.values() for key in table.keys) & self._senses.streams
 
     def _drawing(self, name: str) -> str:
-        name = name or self._told.table
+        name = name or self._published.table
         if not name:
             raise InputError("no behaviour ran yet: /behaviour/show/NAME shows one", "idle")
-        at = self._told.state if self._run is not None and self._told.table == name else ""
+        at = self._published.state if self._run is not None and self._published.table == name else ""
         return self._library.drawing(name, at)
 
     def _state(self, *, over: bool = False) -> BehaviourState:
@@ -408,20 +408,20 @@ class Behaviours(Capability[BehaviourSettings]):
             code=why.code if why is not None else "",
         )
 
-    def _tell(self) -> None:
+    def _publish(self) -> None:
         """Publish where it is: at once when that changes, else at a steady rate."""
         now, run = self.ctx.clock(), self._run
-        before = self._told
+        before = self._published
         same = (run is None and before is self._last) or (
             run is not None
             and (before.phase, before.table, before.state, before.doing)
             == ("paused" if run.paused else "running", run.table, run.state, run.doing)
         )
-        if same and now < self._tell_at:
+        if same and now < self._publish_at:
             return
-        self._tell_at = now + (STATE_EVERY_S if run is not None else RESTING_EVERY_S)
-        self._told = self._state()
-        self.ctx.publish("state", self._told)
+        self._publish_at = now + (STATE_EVERY_S if run is not None else RESTING_EVERY_S)
+        self._published = self._state()
+        self.ctx.publish("state", self._published)
 
 
 def _on_our_clock(received: Received, at_s: float) -> float:

@@ -11,8 +11,8 @@ class Senses:
 
     def __init__(self, ctx: Context[BehaviourSettings]) -> None:
         self._ctx = ctx
-        self._heard: dict[str, dict[str, Received]] = {}
-        self._came: dict[str, list[Received]] = {}
+        self._newest: dict[str, dict[str, Received]] = {}
+        self._arrived: dict[str, list[Received]] = {}
 
     @property
     def streams(self) -> frozenset[str]:
@@ -22,22 +22,22 @@ class Senses:
     def listen(self, streams: frozenset[str]) -> None:
         """Take in what came."""
         for stream in streams:
-            self._came[stream] = self._ctx.take(stream)
-            for received in self._came[stream]:
-                self._heard.setdefault(stream, {})[received.source] = received
+            self._arrived[stream] = self._ctx.take(stream)
+            for received in self._arrived[stream]:
+                self._newest.setdefault(stream, {})[received.source] = received
 
     def newest(self, stream: str) -> list[Received]:
         """Return the newest message of each source of a stream."""
-        return list(self._heard.get(stream, {}).values())
+        return list(self._newest.get(stream, {}).values())
 
-    def came(self, stream: str) -> list[Received]:
+    def arrived(self, stream: str) -> list[Received]:
         """Return what was taken in last of a stream, oldest first."""
-        return self._came.get(stream, [])
+        return self._arrived.get(stream, [])
 
     def look(self, key: Key, newest_s: float) -> Value | None:
         """Return the value of a key, None if the newest is older than that."""
         now, newest, arrived = self._ctx.clock(), None, float("-inf")
-        for received in self._heard.get(key.stream, {}).values():
+        for received in self._newest.get(key.stream, {}).values():
             if received.arrived > arrived and now - received.arrived <= newest_s:
                 value = key.read(received.message)
                 if value is not None:

@@ -17,7 +17,7 @@ from lbr.apps.mqtt.echo import Echo
 from lbr.apps.mqtt.kind import MqttSettings
 from lbr.apps.mqtt.messages import MqttState
 from lbr.apps.mqtt.session import Broker, Incoming, Outgoing, Session, secret, secured
-from lbr.apps.mqtt.shadow import Asked, ShadowState
+from lbr.apps.mqtt.shadow import Desire, ShadowState
 from lbr.apps.mqtt.words import Ask, Motion, Order, StopWord
 from lbr.bus.door import TokenRight
 from lbr.capability.base import Capability
@@ -265,7 +265,7 @@ class Mqtt(Capability[MqttSettings]):
         except InputError as err:
             self._complain(message.topic, str(err), err.code, ask)
 
-    def _desire(self, topic: str, asked: Asked) -> None:
+    def _desire(self, topic: str, asked: Desire) -> None:
         """Do the desire of a shadow; each desire is answered, so that the shadow does not repeat it."""
         assert self._shadow is not None
         self._desired = self._shadow.done(asked.raw)

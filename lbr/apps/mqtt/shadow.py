@@ -28,7 +28,7 @@ CONFLICT, NOT_THERE = 409, 404
 _SUBSCRIBED = ("get/accepted", "get/rejected", "update/accepted", "update/rejected", "update/delta")
 
 
-class Asked(NamedTuple):
+class Desire(NamedTuple):
     """The desire of a shadow: any JSON value, and for how long it stands (None: unknown)."""
 
     raw: object
@@ -61,7 +61,7 @@ class ShadowState:
         self.version, self._known, self._wanted = None, {}, True
         self._get, self._update, self._next_get = ("", -inf), ("", -inf, {}), -inf
 
-    def receive(self, topic: str, payload: bytes, now: float) -> Asked | None:
+    def receive(self, topic: str, payload: bytes, now: float) -> Desire | None:
         """Handle a message of one of the topics; return its desire, if any. InputError names the fault of the message."""
         document = documents.read(payload)
         match topic.removeprefix(f"{self.root}/"):
@@ -103,7 +103,7 @@ class ShadowState:
         self._handled = _text(raw)
         return raw if len(self._handled) <= LARGEST_ECHO else "too long to be told"
 
-    def _fetched(self, fields: dict[str, object]) -> Asked | None:
+    def _fetched(self, fields: dict[str, object]) -> Desire | None:
         if fields.get("clientToken") != self._get[0] or not self._get[0]:
             return None  # somebody else has asked for it
         self._get = ("", -inf)
@@ -113,7 +113,7 @@ class ShadowState:
         self.version, self._known = document.version, document.reported
         if document.ask is None or _text(document.ask) in {self._handled, _text(document.reported.get("ask"))}:
             return None
-        return Asked(document.ask, document.age_s)
+        return Desire(document.ask, document.age_s)
 
     def _not_fetched(self, answer: documents.Answer, now: float) -> None:
         if answer.token != self._get[0] or not self._get[0]:

@@ -9,10 +9,10 @@ from pathlib import Path
 
 from lbr.apps.bodies.model import body_file, model
 from lbr.apps.ros2 import codec, topics, wire
-from lbr.apps.ros2.driving import Asked, Driving, Limits
+from lbr.apps.ros2.driving import Driving, Limits, MotionMessage
 from lbr.apps.ros2.graph import Graph, refusal_of
 from lbr.apps.ros2.kind import SHOWN, STOP, Ros2Settings
-from lbr.apps.ros2.link import Link, Place, Request, Sample
+from lbr.apps.ros2.link import Link, Request, Router, Sample
 from lbr.apps.ros2.messages import Ros2State
 from lbr.apps.ros2.showing import Showing
 from lbr.apps.ros2.trajectory import TRAJECTORY, trajectory
@@ -66,14 +66,14 @@ class Ros2(Capability[Ros2Settings]):
         self._driving = Driving(limits, denied)
         self._holder = Holder(ctx)
         self._words = Words(ctx, settings.services, denied)
-        place = Place(
+        router = Router(
             connect=settings.connect,
             listen=settings.listen,
             domain=settings.domain,
             namespace=settings.namespace,
             name=ctx.robot,
         )
-        self._link = Link(place, self._ports, ctx.wake, ctx.clock)
+        self._link = Link(router, self._ports, ctx.wake, ctx.clock)
         body = model(ctx.robot, body_file(ctx.robot, Path(ctx.home)), ctx.rows(Joint), ctx.rows(Wheel), sensors)
         self._showing = Showing(ctx, self._ports, body, sensors, self._link.publish)
         self._reported: set[str] = set()
@@ -128,7 +128,7 @@ class Ros2(Capability[Ros2Settings]):
 
     def _look_after_link(self) -> None:
         link = self._link
-        self._health = "" if link.connected else f"ROS at {link.place.endpoint}: {link.trouble}"
+        self._health = "" if link.connected else f"ROS at {link.router.endpoint}: {link.trouble}"
         if self._health:
             self.ctx.warn(self._health, "unreachable")
         else:
@@ -189,7 +189,7 @@ class Ros2(Capability[Ros2Settings]):
         except InputError as err:
             self._driving.malformed(by.gid, str(err))
             return
-        self._driving.receive(Asked(motion, by, sample.arrived_s, sample.wall_ns))
+        self._driving.receive(MotionMessage(motion, by, sample.arrived_s, sample.wall_ns))
 
     def _call(self, request: Request) -> None:
         if request.service == STOP:
@@ -235,7 +235,7 @@ class Ros2(Capability[Ros2Settings]):
         driver, stands = self._driving.driver, self._driving.stands
         state = Ros2State(
             connected=self._link.connected,
-            endpoint=self._link.place.endpoint,
+            endpoint=self._link.router.endpoint,
             nodes=self._graph.nodes,
             subscribed=tuple(sorted(self._showing.wanted)),
             driver=self._graph.name(driver) if driver else "",

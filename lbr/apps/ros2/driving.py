@@ -33,7 +33,7 @@ class Limits(Struct, frozen=True, kw_only=True):
     late_s: float
 
 
-class Asked(NamedTuple):
+class MotionMessage(NamedTuple):
     """A twist or a trajectory, what came with it, and when it came by the monotonic and by the wall clock here."""
 
     motion: Stamped | Way
@@ -97,7 +97,7 @@ class Driving:
         """Return by which publisher the robot is driven; empty if by none."""
         return self._driver
 
-    def receive(self, asked: Asked) -> None:
+    def receive(self, asked: MotionMessage) -> None:
         """Receive a twist or a trajectory of a publisher."""
         publisher = self._publisher(asked.by.gid)
         refusal = self._unfit(publisher, asked)
@@ -180,7 +180,7 @@ class Driving:
             self._publishers.pop(oldest)
         return publisher
 
-    def _unfit(self, publisher: Publisher, asked: Asked) -> Reason | None:
+    def _unfit(self, publisher: Publisher, asked: MotionMessage) -> Reason | None:
         if publisher.sequence is not None and asked.by.sequence <= publisher.sequence:
             return Reason("repeated", "")
         publisher.sequence = asked.by.sequence
@@ -215,5 +215,5 @@ class Driving:
         )
 
 
-def _rest(asked: Asked) -> str:
+def _rest(asked: MotionMessage) -> str:
     return "an empty trajectory" if isinstance(asked.motion, Way) else "a twist of zero"

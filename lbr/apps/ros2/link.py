@@ -35,7 +35,7 @@ HEARTBEAT_S = 0.5
 LARGEST_MESSAGE_BYTES = 1 << 20
 
 
-class Place(Struct, frozen=True, kw_only=True):
+class Router(Struct, frozen=True, kw_only=True):
     """The router of ROS, to connect to or to be at `listen`, and the robot's name there."""
 
     connect: str
@@ -95,7 +95,7 @@ class Link:
 
     def __init__(
         self,
-        place: Place,
+        router: Router,
         ports: Mapping[str, Port],
         wake: Callable[[], None],
         clock: Callable[[], float] = time.monotonic,
@@ -103,7 +103,7 @@ class Link:
         self.connected = False
         self.trouble = "it was not reached yet"
         self.count = 0
-        self.place = place
+        self.router = router
         self._ports, self._wake, self._clock = ports, wake, clock
         self._tokens: deque[Token] = deque(maxlen=MOST_TOKENS)
         self._samples: deque[Sample] = deque(maxlen=MOST_SAMPLES)
@@ -168,9 +168,9 @@ class Link:
     def _connection(self) -> None:
         """Connect and stay until the router is gone; raise why there is no connection."""
         self._lost.clear()
-        if not self.place.listen:
-            _knock(self.place.connect)
-        session = zenoh.open(zenoh.Config.from_json5(json.dumps(_settings(self.place))))
+        if not self.router.listen:
+            _knock(self.router.connect)
+        session = zenoh.open(zenoh.Config.from_json5(json.dumps(_settings(self.router))))
         try:
             declared = self._declare(session)  # what nobody holds is undeclared
             self._lost.wait()
@@ -189,8 +189,8 @@ class Link:
         self._tokens.clear()
         self._samples.clear()
         self._zid = str(session.zid())
-        place = self.place
-        node = Node(domain=place.domain, zid=self._zid, id="0", namespace=place.namespace, name=place.name)
+        router = self.router
+        node = Node(domain=router.domain, zid=self._zid, id="0", namespace=router.namespace, name=router.name)
         held: list[object] = [session.liveliness().declare_token(str(node))]
         outlets = {}
         for number, (name, port) in enumerate(self._ports.items(), 1):
@@ -207,9 +207,9 @@ class Link:
             if isinstance(declared, zenoh.Publisher | zenoh.ext.AdvancedPublisher):
                 outlets[name] = Outlet(declared, endpoint.gid)
             held += [declared, session.liveliness().declare_token(str(endpoint))]
-        tokens = f"{ADMIN}/{place.domain}/**"
+        tokens = f"{ADMIN}/{router.domain}/**"
         held.append(session.liveliness().declare_subscriber(tokens, direct(self._receive_token), history=True))
-        if not place.listen:
+        if not router.listen:
             held.append(session.info.declare_transport_events_listener(direct(self._receive_link), history=False))
             if not list(session.info.routers_zid()):
                 raise BusError("its router is gone")
@@ -278,10 +278,10 @@ def _knock(endpoint: str) -> None:
         raise BusError(f"nothing answers there ({err.strerror or err})") from err
 
 
-def _settings(place: Place) -> dict[str, object]:
+def _settings(router: Router) -> dict[str, object]:
     """Return the configuration of a session, in Zenoh's own words: as rmw_zenoh has it, where the two must agree."""
     common: dict[str, object] = {
-        "scouting": {"multicast": {"enabled": False}, "gossip": {"enabled": bool(place.listen)}, "delay": 0},
+        "scouting": {"multicast": {"enabled": False}, "gossip": {"enabled": bool(router.listen)}, "delay": 0},
         "transport": {
             "link": {
                 "tx": {"lease": LINK_LEASE_MS, "keep_alive": 4},
@@ -292,7 +292,7 @@ def _settings(place: Place) -> dict[str, object]:
         "timestamping": {"enabled": True},  # without it there are no publishers whose last message waits
         "adminspace": {"enabled": False},
     }
-    if place.listen:
-        return common | {"mode": "router", "listen": {"endpoints": [place.listen], "exit_on_failure": True}}
-    connect = {"endpoints": [place.connect], "timeout_ms": int(CONNECT_S * 1000), "exit_on_failure": True}
+    if router.listen:
+        return common | {"mode": "router", "listen": {"endpoints": [router.listen], "exit_on_failure": True}}
+    connect = {"endpoints": [router.connect], "timeout_ms": int(CONNECT_S * 1000), "exit_on_failure": True}
     return common | {"mode": "client", "connect": connect}

@@ -280,15 +280,6 @@ def test_a_lease_that_is_lost_to_a_person_ends_the_run():
     assert (stage.state.phase, stage.state.code, stage.state.good) == ("ended", "taken_over", False)
 
 
-def test_a_motion_that_fails_leads_to_the_failure_state():
-    stage = Stage()
-    stage.run()
-    stage.play(0.5)
-    stage.ends("fault", "obstacle", "a wall is in the way")
-    stage.play(1.0)
-    assert (stage.state.phase, stage.state.state, stage.state.code) == ("ended", "Stuck", "obstacle")
-
-
 def test_a_second_run_is_refused_in_words(wording):
     stage = Stage()
     stage.run()

@@ -17,7 +17,7 @@ from lbr.apps.foxglove import channels, protocol, scene, schemas, services
 from lbr.apps.foxglove.capability import numbered
 from lbr.apps.foxglove.kind import FoxgloveSettings
 from lbr.apps.foxglove.socket import motion
-from lbr.apps.recorder.box import ear
+from lbr.apps.recorder.box import inbox
 from lbr.apps.recorder.recording import chunks, export
 from lbr.errors import InputError, MalformedError
 from lbr.messages.description import CapabilityDescription, RobotDescription
@@ -231,8 +231,8 @@ def test_a_recording_opens_with_the_topics_and_schemas_of_the_live_robot(tmp_pat
     found = {one.channel.topic: one.channel for one in channels.sources(described(state=schema), BODY, ())}
     said = msgspec.json.encode(OdometryState(valid=True, epoch="e"))
     recorded = chunks.Channel("a/state", "json", "OdometryState", flat_schema(schema))
-    picture = chunks.Channel("a/frame", "json", "foxglove.CompressedImage", ear.PICTURE_SCHEMA)
-    pixels = ear.image(b"\xff\xd8....\xff\xd9", "a", 5)
+    picture = chunks.Channel("a/frame", "json", "foxglove.CompressedImage", inbox.PICTURE_SCHEMA)
+    pixels = inbox.image(b"\xff\xd8....\xff\xd9", "a", 5)
     path = tmp_path / "all.mcap"
     export.to_mcap(path, [chunks.Message(recorded, 1, 1, 1, said), chunks.Message(picture, 2, 2, 1, pixels)], "lbr")
     with path.open("rb") as file:

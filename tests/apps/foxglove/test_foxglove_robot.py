@@ -202,7 +202,7 @@ def fields(client, name):
 
 def test_a_goal_of_a_word_goes_on_while_its_client_is_there_and_ends_with_it(url, robot):
     client = Foxglove(url)
-    answer = client.call("/t", **dict.fromkeys(fields(client, "/t"), "170"))
+    answer = client.call("/t", **dict.fromkeys(fields(client, "/t"), "350"))
     assert isinstance(answer, dict), answer
     assert answer["code"] == 0, answer
     for _ in range(2):  # longer than a lease lives
@@ -289,24 +289,14 @@ def test_a_stop_counts_although_its_client_leaves_with_its_last_byte(client, rob
         client.until(lambda seen=seen: time.monotonic() - seen > 0.5, "a stick at rest")
 
 
-def test_a_killed_client_leaves_nothing_moving(url, robot):
+@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGSTOP])
+def test_a_killed_or_frozen_client_leaves_nothing_moving(url, robot, end):
     program = programs.start([sys.executable, "-c", DRIVER, url, json.dumps(TWIST)])
     try:
         until(lambda: moves(robot), what="driving")
-        os.kill(program.pid, signal.SIGKILL)
+        os.kill(program.pid, end)
         until(lambda: not moves(robot), limit_s=STOPS_S, what="standing still")
         assert drive(robot)["left"] == drive(robot)["right"] == 0.0
-    finally:
-        program.kill()
-        program.wait()
-
-
-def test_a_frozen_client_leaves_nothing_moving(url, robot):
-    program = programs.start([sys.executable, "-c", DRIVER, url, json.dumps(TWIST)])
-    try:
-        until(lambda: moves(robot), what="driving")
-        os.kill(program.pid, signal.SIGSTOP)
-        until(lambda: not moves(robot), limit_s=STOPS_S, what="standing still")
     finally:
         program.kill()
         program.wait()

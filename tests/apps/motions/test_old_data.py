@@ -30,7 +30,7 @@ def shipped_rows():
 def taken(robot, data):
     """What becomes of old data; the rows are such as their tables take."""
     rows = shipped_rows()
-    here = wanted_rows.Here(rows, robot)
+    here = wanted_rows.RowsOfRobot(rows, robot)
     wishes = list(data.wants(here, Choice("lbr6")))
     notes = [one for one in wishes if isinstance(one, Note)]
     wants = [one for one in wishes if isinstance(one, Want)]

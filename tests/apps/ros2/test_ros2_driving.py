@@ -11,7 +11,7 @@ needs.modules("rosbags")
 needs.modules("xxhash")
 from lbr.apps.ros2 import codec  # noqa: E402 - it needs both
 from lbr.apps.ros2.codec import Stamped  # noqa: E402
-from lbr.apps.ros2.driving import MOST_PUBLISHERS, Asked, Driving, Limits  # noqa: E402
+from lbr.apps.ros2.driving import MOST_PUBLISHERS, Driving, Limits, MotionMessage  # noqa: E402
 from lbr.apps.ros2.trajectory import TRAJECTORY, trajectory  # noqa: E402
 from lbr.apps.ros2.wire import Attachment  # noqa: E402
 
@@ -48,7 +48,7 @@ class Side:
         made_ns = None if made_s is None else sent_ns + round(made_s * 1e9)
         by = Attachment(self.sequence if sequence is None else sequence, sent_ns, gid)
         motion = Stamped(*twist, made_ns) if motion is None else motion._replace(made_ns=made_ns)
-        self.driving.receive(Asked(motion, by, self.now, round((WALL_S + self.now) * 1e9)))
+        self.driving.receive(MotionMessage(motion, by, self.now, round((WALL_S + self.now) * 1e9)))
 
     def run(self, seconds, twist=AHEAD, gid=ONE, **how):
         for _ in range(round(seconds / 0.05)):

@@ -9,7 +9,7 @@ from click.shell_completion import CompletionItem
 from lbr.apps.motions.commands import old_files, wanted_rows
 from lbr.apps.motions.commands.motion_files import MotionFile
 from lbr.apps.motions.commands.old_files import Given
-from lbr.apps.motions.commands.wanted_rows import Here, Imported
+from lbr.apps.motions.commands.wanted_rows import Imported, RowsOfRobot
 from lbr.commands.options import FileName, complete_robot, database_option, json_option, print_json
 from lbr.commands.rows import opened, problems_of
 from lbr.database import edits, given_files
@@ -108,13 +108,13 @@ def _robot(rows: Database, robot: str | None, given: Sequence[Given]) -> str:
         return names[0]
     tables, _ = rows.tables()
     loaded = rows.load_all(names)
-    fitting = [name for name in names if all(_fits(one, Here(tables, name), loaded[name]) for one in given)]
+    fitting = [name for name in names if all(_fits(one, RowsOfRobot(tables, name), loaded[name]) for one in given)]
     if len(fitting) != 1:
         raise InputError(f"{len(fitting)} robots fit it ({', '.join(fitting) or 'none'}); say which with --robot NAME")
     return fitting[0]
 
 
-def _fits(given: Given, present: Here, rows: RobotRows) -> bool:
+def _fits(given: Given, present: RowsOfRobot, rows: RobotRows) -> bool:
     if isinstance(given.motions, MotionFile):
         named = {name for frame in given.motions.motion.frames for name in frame.positions}
         if any(row["name"] == given.motions.robot for row in present.tables["robot"]):
@@ -136,7 +136,7 @@ def _planned(
 ) -> Imported:
     """Return what all files together would write; InputError names what of a person's is in the way."""
     tables, _ = rows.tables()
-    present = wanted_rows.Here(tables, robot)
+    present = wanted_rows.RowsOfRobot(tables, robot)
     wants: list[Want] = []
     motions: list[Motion] = []
     notes: list[Note] = []

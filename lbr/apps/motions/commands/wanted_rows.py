@@ -26,7 +26,7 @@ TABLES: Mapping[str, type[Row]] = {
 """The rows that data of a former program may become."""
 
 
-class Here(Struct, frozen=True):
+class RowsOfRobot(Struct, frozen=True):
     """One robot's rows out of the tables of all, as readers of old data see them."""
 
     tables: RawTables
@@ -77,10 +77,10 @@ class _State(Struct):
     shipped: dict[str, object] | None
 
 
-def take(wants: Iterable[Want], here: Here, shipped: RawTables, *, replacing: bool) -> Imported:
+def take(wants: Iterable[Want], here: RowsOfRobot, shipped: RawTables, *, replacing: bool) -> Imported:
     """Return what these wants make of a robot's rows. Without `replacing` what differs from what was shipped is
     kept."""
-    taking = _Taking(here, Here(shipped, here.robot), replacing=replacing)
+    taking = _Taking(here, RowsOfRobot(shipped, here.robot), replacing=replacing)
     for want in wants:
         taking.add(want)
     return taking.done()
@@ -89,7 +89,7 @@ def take(wants: Iterable[Want], here: Here, shipped: RawTables, *, replacing: bo
 class _Taking:
     """Applies one want after the other; several may be of one row."""
 
-    def __init__(self, here: Here, shipped: Here, *, replacing: bool) -> None:
+    def __init__(self, here: RowsOfRobot, shipped: RowsOfRobot, *, replacing: bool) -> None:
         self._present = here
         self._shipped = shipped
         self._replacing = replacing
@@ -211,7 +211,7 @@ def _clamped(asked: Motion, motion: Motion) -> Iterator[Note]:
         yield Note("clamped", "motion_step", motion.name, f"positions.{name}", text)
 
 
-def _existing(kind: type[Row], key: tuple[object, ...], here: Here) -> dict[str, object] | None:
+def _existing(kind: type[Row], key: tuple[object, ...], here: RowsOfRobot) -> dict[str, object] | None:
     for values in here.rows(kind.TABLE):
         if tuple(values.get(name) for name in kind.KEY) == key:
             return _read(kind, values)

@@ -1,4 +1,4 @@
-"""The box as a process: once a round it takes what was heard, dates it, and hands it to the disk's thread."""
+"""The box as a process: once a round it takes what has arrived, dates it, and hands it to the disk's thread."""
 
 import fnmatch
 import time
@@ -10,7 +10,7 @@ from msgspec import Raw, Struct
 
 from lbr.apps.recorder.box.clock import Clock
 from lbr.apps.recorder.box.disk import Bounds, Chunk, Disk
-from lbr.apps.recorder.box.ear import ALL_ROWS, EVENT, LINES, STATUS, Ear, Heard, line
+from lbr.apps.recorder.box.inbox import ALL_ROWS, EVENT, LINES, STATUS, Arrival, Inbox, line
 from lbr.apps.recorder.box.keeping import MARK, Keeping
 from lbr.apps.recorder.box.kind import BoxSettings
 from lbr.apps.recorder.box.logs import Logs
@@ -58,7 +58,7 @@ class _Revision(Struct):
     revision: int = 0
 
 
-class Tape:
+class Output:
     """The part of a round that goes into one file, and the time of a new one."""
 
     def __init__(self, disk: Disk, segment_s: float | None) -> None:
@@ -110,20 +110,20 @@ class Box(Capability[BoxSettings]):
         self._shelf = Shelf(Path(ctx.home), ctx.robot)
         self._past = Past(ctx, self._shelf)
         self._library = f"lbr {version('lbr')}"
-        self._latest: dict[str, Heard] = {}
-        self._events: deque[Heard] = deque(maxlen=EVENTS)
+        self._latest: dict[str, Arrival] = {}
+        self._events: deque[Arrival] = deque(maxlen=EVENTS)
         self._streams: RecordedStreams | None = None
         self._rows = b""
         self._rows_revision = self._revision = -1
         self._schemas = b""
         self._questions: dict[str, wire.PendingQuery] = {}
-        self._ask_at = self._picture_at = self._tell_at = self._room_at = 0.0
-        self._told: BoxState | None = None
+        self._ask_at = self._picture_at = self._publish_at = self._room_at = 0.0
+        self._published: BoxState | None = None
         self._warned = ""
-        self._ear: Ear | None = None
-        self._tape: Tape | None = None
-        self._made: Tape | None = None
-        self._made_until = self._made_since = 0.0
+        self._inbox: Inbox | None = None
+        self._box_output: Output | None = None
+        self._recording: Output | None = None
+        self._recording_until = self._recording_since = 0.0
         self._jumped = ""
 
     def open(self) -> None:
@@ -132,7 +132,7 @@ class Box(Capability[BoxSettings]):
         if not self.ctx.home or bus is None:
             raise DeviceError("the black box writes where the robot's home is: leave it on the robot's own host")
         self._bus = bus
-        self._ear = Ear(bus, self.ctx.robot, self.ctx.name, self._channels, self._clock)
+        self._inbox = Inbox(bus, self.ctx.robot, self.ctx.name, self._channels, self._clock)
         self._logs = Logs(Path(self.ctx.home) / "logs", self.ctx.robot)
         settings = self.ctx.settings
         self._bounds = Bounds(
@@ -142,28 +142,30 @@ class Box(Capability[BoxSettings]):
             kept_seconds=settings.kept_days * 86400,
             free_bytes=settings.free_mb * MB,
         )
-        self._tape = Tape(Disk(self._shelf.next_file, self._library, shelf=self._shelf, bounds=self._bounds), SEGMENT_S)
+        self._box_output = Output(
+            Disk(self._shelf.next_file, self._library, shelf=self._shelf, bounds=self._bounds), SEGMENT_S
+        )
 
     def step(self) -> None:
         """Take what came, and hand it over; once a round, and not at every beat of the process."""
         self._past.step()
-        if not self.ctx.on_tick or self._ear is None or self._tape is None:
+        if not self.ctx.on_tick or self._inbox is None or self._box_output is None:
             return
         now = self.ctx.clock()
         if jump_ns := self._clock.look():
             self._jumped = f"{jump_ns / 1e9:+.3f}"
             self.ctx.event("clock_jumped", f"the clock was set by {jump_ns / 1e9:+.1f} s; another file is begun")
-            self._tape.disk.broken = True
-        self._tape.disk.steady = self._clock.is_steady
+            self._box_output.disk.broken = True
+        self._box_output.disk.steady = self._clock.is_steady
         self._describe(now)
         self._round(now)
-        if self._made is not None and now >= self._made_until:
+        if self._recording is not None and now >= self._recording_until:
             self._end("its time is over")
-        elif self._made is not None and now >= self._room_at:
+        elif self._recording is not None and now >= self._room_at:
             self._room_at = now + TELL_S
             if lacks := self._bounds.lacks_room(self._shelf.recordings_folder):
                 self._end(lacks)
-        self._tell(now)
+        self._publish_state(now)
 
     def command(self, call: Call) -> None:
         """Keep what led here, or record on purpose."""
@@ -184,70 +186,70 @@ class Box(Capability[BoxSettings]):
     def close(self) -> None:
         """Write what was heard until now, and end the files in order."""
         self._past.close()
-        tape, self._tape = self._tape, None
-        if tape is None or self._ear is None:
+        output, self._box_output = self._box_output, None
+        if output is None or self._inbox is None:
             return
         self._clock.look()
-        self._tape = tape
+        self._box_output = output
         self._round(self.ctx.clock())
-        self._tape = None
-        self._ear.close()
-        for one in (self._made, tape):
+        self._box_output = None
+        self._inbox.close()
+        for one in (self._recording, output):
             if one is not None:
                 one.disk.close()
-        self._made = self._ear = None
+        self._recording = self._inbox = None
 
     # -- one round -----------------------------------------------------------------------------------------------------
 
     def _round(self, now: float) -> None:
-        ear, tape = self._ear, self._tape
-        assert ear is not None
-        assert tape is not None
-        tapes = [each for each in (tape, self._made) if each is not None]
-        begun = [each.is_due(now) for each in tapes]
-        for each, begins in zip(tapes, begun, strict=True):
+        inbox, output = self._inbox, self._box_output
+        assert inbox is not None
+        assert output is not None
+        outputs = [each for each in (output, self._recording) if each is not None]
+        begun = [each.is_due(now) for each in outputs]
+        for each, begins in zip(outputs, begun, strict=True):
             if begins:
-                self._say_again(each)
+                self._repeat(each)
         hz = self.ctx.settings.cameras_hz
         if hz > 0 and now >= self._picture_at:
             self._picture_at = now + 1 / hz
-            ear.ask_for_pictures()
-        for message in ear.take():
-            self._put(tapes, message)
+            inbox.ask_for_pictures()
+        for message in inbox.take():
+            self._put(outputs, message)
         for writer, text in self._logs.take(self._streams.programs if self._streams is not None else ()):
             at_ns = self._clock.dated(self._clock.now_ns)
             number = self._channels.number(LINES)
-            for each in tapes:
+            for each in outputs:
                 each.add(number, 0, at_ns, at_ns, line(writer, text, at_ns))
         schemas = self._channels.schemas
         fresh, self._schemas = schemas[len(self._schemas) :], schemas
-        for each, begins in zip(tapes, begun, strict=True):
+        for each, begins in zip(outputs, begun, strict=True):
             each.flush(self._channels, now, self._about() if begins else None, schemas if begins else fresh)
 
-    def _put(self, tapes: list[Tape], message: Heard) -> None:
+    def _put(self, outputs: list[Output], message: Arrival) -> None:
         if message.topic == EVENT:
-            self._happened(message.data)
+            self._take_event(message.data)
         elif message.topic == STATUS:
             self._revise(message.data)
         if message.topic == EVENT:
             self._events.append(message)
         elif not message.picture and not message.topic.startswith(TAPED):
             self._latest[message.topic] = message
-        for tape in tapes:
-            if tape is self._made or not message.topic.startswith(TAPED):
-                self._add(tape, message)
+        for output in outputs:
+            if output is self._recording or not message.topic.startswith(TAPED):
+                self._add(output, message)
 
-    def _add(self, tape: Tape, heard: Heard) -> None:
-        log_ns = self._clock.dated(heard.mono_ns)
-        tape.add(heard.number, heard.sequence, log_ns, heard.publish_ns, heard.data)
+    def _add(self, output: Output, arrival: Arrival) -> None:
+        log_ns = self._clock.dated(arrival.mono_ns)
+        output.add(arrival.number, arrival.sequence, log_ns, arrival.publish_ns, arrival.data)
 
-    def _say_again(self, tape: Tape) -> None:
+    def _repeat(self, output: Output) -> None:
         """Let a new file begin with the rows, and with what each stream said last: it is to be understood by itself."""
         if self._rows:
             at_ns = self._clock.dated(self._clock.now_ns)
-            tape.add(self._channels.number(ALL_ROWS), 0, at_ns, at_ns, self._rows)
-        for heard in (*self._latest.values(), *self._events):
-            self._add(tape, heard)
+            output.add(self._channels.number(ALL_ROWS), 0, at_ns, at_ns, self._rows)
+        for arrival in (*self._latest.values(), *self._events):
+            self._add(output, arrival)
 
     def _about(self) -> dict[str, str]:
         facts = {
@@ -262,13 +264,13 @@ class Box(Capability[BoxSettings]):
             facts["clock_jumped_s"], self._jumped = self._jumped, ""
         return facts
 
-    def _happened(self, payload: bytes) -> None:
+    def _take_event(self, payload: bytes) -> None:
         event = read_or_none(payload, Event)
         if event is None or event.subject == self.ctx.name:
             return
         keep = self._keeping.event(event, self.ctx.clock(), time.time_ns())
-        if keep is not None and self._tape is not None:
-            self._tape.disk.keep(keep)
+        if keep is not None and self._box_output is not None:
+            self._box_output.disk.keep(keep)
 
     def _revise(self, payload: bytes) -> None:
         status = read_or_none(payload, _Revision)
@@ -302,7 +304,7 @@ class Box(Capability[BoxSettings]):
             return
         self._rows, self._rows_revision = bytes(data), rows.revision
         at_ns = self._clock.dated(self._clock.now_ns)
-        for one in (self._tape, self._made):
+        for one in (self._box_output, self._recording):
             if one is not None:
                 one.add(self._channels.number(ALL_ROWS), 0, at_ns, at_ns, self._rows)
 
@@ -314,36 +316,36 @@ class Box(Capability[BoxSettings]):
         self._follow()
 
     def _follow(self) -> None:
-        if self._ear is None or self._streams is None:
+        if self._inbox is None or self._streams is None:
             return
-        settings, made = self.ctx.settings, self._made
-        everything = made is not None
+        settings, recording = self.ctx.settings, self._recording
+        everything = recording is not None
 
         def wanted(topic: str) -> bool:
             if any(fnmatch.fnmatchcase(topic, one) for one in settings.leave_out) and not everything:
                 return False
             return everything or any(fnmatch.fnmatchcase(topic, one) for one in settings.streams)
 
-        self._ear.follow(self._streams.streams, wanted, pictures=made is not None and self._with_cameras)
+        self._inbox.follow(self._streams.streams, wanted, pictures=recording is not None and self._with_cameras)
 
     # -- what people ask for -------------------------------------------------------------------------------------------
 
     _with_cameras = False
 
     def _mark(self, text: str) -> BoxReply:
-        if self._tape is None:
+        if self._box_output is None:
             return BoxReply(accepted=False, reason="the black box does not write yet", code="not_ready")
         keep = self._keeping.incident(MARK, "", text, self.ctx.clock(), time.time_ns())
         assert keep is not None
         self.ctx.event(MARK, text)
-        self._tape.disk.keep(keep)
+        self._box_output.disk.keep(keep)
         settings = self.ctx.settings
         told = f"the last {settings.before_s:g} s are kept, and the next {settings.after_s:g} s, as {keep.name}"
         return BoxReply(accepted=True, reason=told, path=str(self._shelf.kept_folder / keep.name))
 
     def _record(self, asked: RecordCommand) -> BoxReply:
-        if self._made is not None:
-            reason = f"{self._name(self._made)} is being recorded: end it first (/record/end)"
+        if self._recording is not None:
+            reason = f"{self._name(self._recording)} is being recorded: end it first (/record/end)"
             return BoxReply(accepted=False, reason=reason, code="busy")
         name = asked.name.removesuffix(SUFFIX) or time.strftime("%Y%m%d-%H%M%S")
         path = self._shelf.recordings_folder / f"{name}{SUFFIX}"
@@ -355,68 +357,68 @@ class Box(Capability[BoxSettings]):
         if path.exists():
             return BoxReply(accepted=False, reason=f"{path} is there already: choose another name", code="bad_value")
         now = self.ctx.clock()
-        self._made = Tape(Disk(lambda: path, self._library), None)
-        self._made_since = now
-        self._made_until = now + asked.seconds if asked.seconds else float("inf")
+        self._recording = Output(Disk(lambda: path, self._library), None)
+        self._recording_since = now
+        self._recording_until = now + asked.seconds if asked.seconds else float("inf")
         self._with_cameras = asked.cameras
-        if self._ear is not None:
-            self._ear.hear_lines(on=asked.lines)
+        if self._inbox is not None:
+            self._inbox.subscribe_lines(on=asked.lines)
         self._follow()
-        self._tell_at = 0.0
-        self._tell(now)
+        self._publish_at = 0.0
+        self._publish_state(now)
         how = f"for {asked.seconds:g} s" if asked.seconds else "until it is ended (/record/end)"
         return BoxReply(accepted=True, reason=f"records {how}, into {path}", path=str(path))
 
     def _end(self, why: str) -> BoxReply:
-        if self._made is None:
+        if self._recording is None:
             return BoxReply(accepted=False, reason="nothing is recorded on purpose now", code="not_possible")
         self._clock.look()
         self._round(self.ctx.clock())
-        made, self._made = self._made, None
-        made.disk.close(2.0)
-        path = made.disk.path
+        recording, self._recording = self._recording, None
+        recording.disk.close(2.0)
+        path = recording.disk.path
         self._with_cameras = False
-        if self._ear is not None:
-            self._ear.hear_lines(on=False)
+        if self._inbox is not None:
+            self._inbox.subscribe_lines(on=False)
         self._follow()
-        self._tell_at = 0.0
-        self._tell(self.ctx.clock())
-        lost = f"; {made.disk.lost} messages are missing: {made.disk.trouble}" if made.disk.lost else ""
-        text = f"recorded {made.disk.size / MB:.1f} MB into {path}: {why}{lost}"
+        self._publish_at = 0.0
+        self._publish_state(self.ctx.clock())
+        lost = f"; {recording.disk.lost} messages are missing: {recording.disk.trouble}" if recording.disk.lost else ""
+        text = f"recorded {recording.disk.size / MB:.1f} MB into {path}: {why}{lost}"
         self.ctx.event("recorded", text, level="warning" if lost else "info")
         return BoxReply(accepted=True, reason=text, path=str(path or ""))
 
     # -- what it publishes ---------------------------------------------------------------------------------------------
 
-    def _tell(self, now: float) -> None:
-        tape = self._tape
-        if tape is None or self._ear is None:
+    def _publish_state(self, now: float) -> None:
+        output = self._box_output
+        if output is None or self._inbox is None:
             return
-        disk, made = tape.disk, self._made
-        trouble = disk.trouble or (made.disk.trouble if made is not None else "")
+        disk, recording = output.disk, self._recording
+        trouble = disk.trouble or (recording.disk.trouble if recording is not None else "")
         if not trouble:
             self.ctx.ready()
         elif trouble != self._warned:
             self.ctx.warn(f"{trouble} ({disk.lost} messages so far)", "failed")
         self._warned = trouble
-        if now < self._tell_at and self._told is not None and self._told.trouble == trouble:
+        if now < self._publish_at and self._published is not None and self._published.trouble == trouble:
             return
-        self._tell_at = now + TELL_S
-        self._told = BoxState(
+        self._publish_at = now + TELL_S
+        self._published = BoxState(
             messages=disk.messages,
-            lost=disk.lost + self._ear.lost,
+            lost=disk.lost + self._inbox.lost,
             disk_mb=round(disk.used_bytes / MB, 2),
             kept_mb=round(disk.kept_bytes / MB, 2),
             kept=disk.kept_count,
-            recording=self._name(made) if made is not None else "",
-            recording_s=round(now - self._made_since, 1) if made is not None else 0.0,
-            recording_mb=round(made.disk.size / MB, 2) if made is not None else 0.0,
+            recording=self._name(recording) if recording is not None else "",
+            recording_s=round(now - self._recording_since, 1) if recording is not None else 0.0,
+            recording_mb=round(recording.disk.size / MB, 2) if recording is not None else 0.0,
             trouble=trouble,
         )
-        self.ctx.publish("state", self._told)
+        self.ctx.publish("state", self._published)
 
-    def _name(self, tape: Tape) -> str:
-        return tape.disk.path.name if tape.disk.path is not None else "a recording"
+    def _name(self, output: Output) -> str:
+        return output.disk.path.name if output.disk.path is not None else "a recording"
 
 
 def _answer(query: wire.PendingQuery) -> Raw | None:

@@ -101,7 +101,7 @@ def show(
         click.echo(one_line(str(chosen.why)))
     if not counted.topics:
         click.echo("nothing was recorded in that time")
-        _tell_damage(counted.damage)
+        _print_damage(counted.damage)
         return 1
     seconds = max(1e-9, (counted.to_ns - counted.from_ns) / 1e9)
     span = f"{times.text(counted.from_ns, now)} to {times.text(counted.to_ns, now)}"
@@ -111,7 +111,7 @@ def show(
         click.echo(one_line(f"{topic:<{width}}  {one.messages:>8}  {one.messages / seconds:7.1f} Hz  {one.message}"))
     for event in counted.events[-SHOWN_EVENTS:]:
         click.echo(one_line(f"{times.text(event.wall_ns, now)} {event.subject}: {event.text}"))
-    _tell_damage(counted.damage)
+    _print_damage(counted.damage)
     return 0
 
 
@@ -160,10 +160,10 @@ def export(
     else:
         count = sum(exports.to_csv(target, wanted).values())
     if not count:
-        _tell_damage(damage)
+        _print_damage(damage)
         raise InputError("nothing was recorded in that time, or of these topics")
     click.echo(f"{count} messages into {target}")
-    _tell_damage(damage)
+    _print_damage(damage)
     return 0
 
 
@@ -284,7 +284,7 @@ def _counted(chosen: Chosen, start_ns: int, end_ns: int) -> _Counted:
     return counted
 
 
-def _tell_damage(damage: Damage) -> None:
+def _print_damage(damage: Damage) -> None:
     for text in damage.files:
         click.echo(one_line(text), err=True)
     if damage.places:

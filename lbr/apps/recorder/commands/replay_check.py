@@ -31,7 +31,7 @@ def check(chosen: Chosen, start_ns: int, end_ns: int, tries: int, *, as_json: bo
         outcome = checks.run(recorded, _progress if not as_json else lambda _text: None)
         _clear()
         if not as_json:
-            _tell(outcome, recorded)
+            _print(outcome, recorded)
         if outcome.same or number == tries:
             break
         if not as_json:
@@ -52,7 +52,7 @@ def _clear() -> None:
         print("\r\x1b[K", end="", file=sys.stderr, flush=True)
 
 
-def _tell(outcome: Outcome, recorded: Recorded) -> None:
+def _print(outcome: Outcome, recorded: Recorded) -> None:
     for name, why in sorted(outcome.left_out.items()):
         click.echo(f"  without {name}: {why}", err=True)
     for topic, count in outcome.setpoints.items():

@@ -19,7 +19,7 @@ from lbr.apps.recorder.recording.chunks import Message
 from lbr.apps.recorder.recording.decoding import read_or_none
 from lbr.apps.recorder.recording.recorded import RecordedRows
 from lbr.apps.recorder.rerun import alike, rows
-from lbr.apps.recorder.rerun.ends import Asked, Clock, Ends
+from lbr.apps.recorder.rerun.ends import Clock, Ends, Questions
 from lbr.apps.recorder.rerun.feed import Feed, Sent
 from lbr.bus import access, keys, session, wire
 from lbr.bus import stamp as stamps
@@ -81,7 +81,7 @@ class Outcome(Struct, kw_only=True):
     missing: list[alike.Happened]
     added: list[alike.Happened]
     late_s: float
-    asked: dict[str, Asked] = {}
+    asked: dict[str, Questions] = {}
 
     @property
     def late(self) -> bool:
@@ -186,7 +186,7 @@ def run(recorded: Recorded, tell: Tell) -> Outcome:
         return outcome
 
 
-def _feed(bus: Session, recorded: Recorded, made: rows.Place) -> Feed:
+def _feed(bus: Session, recorded: Recorded, made: rows.Rerun) -> Feed:
     """Return what was said to the robot from outside, in the recording's time."""
     own = {*made.runs, EXECUTIVE}
     commands = [
@@ -221,13 +221,13 @@ def _play(feed: Feed, clock: Clock, recorded: Recorded, tell: Tell) -> None:
 class _Witness:
     """Hears what the robot does: its setpoints, and what happens."""
 
-    def __init__(self, bus: Session, recorded: Recorded, made: rows.Place, clock: Clock) -> None:
+    def __init__(self, bus: Session, recorded: Recorded, made: rows.Rerun, clock: Clock) -> None:
         topics = [f"{name}/{port}" for name, kind in made.runs.items() for port in kind.setpoints]
         self._setpoints = {one: wire.Subscription(bus, f"{recorded.robot}/{one}", depth=SAMPLES) for one in topics}
         self._events = wire.Subscription(bus, keys.event(recorded.robot), depth=EVENTS)
         self._recorded, self._runs, self._clock = recorded, made.runs, clock
 
-    def outcome(self, feed: Feed, made: rows.Place) -> Outcome:
+    def outcome(self, feed: Feed, made: rows.Rerun) -> Outcome:
         """Return where it was otherwise than recorded; at both ends there is too little to compare by."""
         recorded, window_ns = self._recorded, alike.WINDOW_NS + feed.late_ns
         counts, differences = {}, {}
@@ -281,7 +281,7 @@ class _Witness:
 
 
 @contextlib.contextmanager
-def _running(made: rows.Place, robot: str) -> Iterator[Session]:
+def _running(made: rows.Rerun, robot: str) -> Iterator[Session]:
     """Run the robot for the time of a `with`; raise BusError with its own words if it does not come up."""
     environment = os.environ | {"LBR_HOME": str(made.home)}
     command = [sys.executable, "-m", "lbr.start", "run", str(made.profile), "--db", str(made.home / "robot.db")]
@@ -301,7 +301,7 @@ def _running(made: rows.Place, robot: str) -> Iterator[Session]:
                 process.wait()
 
 
-def _up(process: "subprocess.Popen[bytes]", made: rows.Place, robot: str, output: Path) -> home.Running:
+def _up(process: "subprocess.Popen[bytes]", made: rows.Rerun, robot: str, output: Path) -> home.Running:
     rest = threading.Event()
     until = time.monotonic() + READY_S
     while time.monotonic() < until:
@@ -319,6 +319,6 @@ def _up(process: "subprocess.Popen[bytes]", made: rows.Place, robot: str, output
     )
 
 
-def _record(made: rows.Place, robot: str) -> home.Running:
+def _record(made: rows.Rerun, robot: str) -> home.Running:
     """Return how to reach the robot of that home."""
     return msgspec.json.decode((made.home / "run" / f"{robot}.json").read_bytes(), type=home.Running)

@@ -34,7 +34,7 @@ KEPT = 20
 UP_S = 10.0
 
 
-class Asked(NamedTuple):
+class Questions(NamedTuple):
     """The number of questions to a device, and the first ones that were never asked in the recording."""
 
     times: int
@@ -211,9 +211,9 @@ class Ends:
         if said:
             raise BusError(f"the recorded devices cannot be emulated: {said}")
 
-    def close(self) -> dict[str, Asked]:
+    def close(self) -> dict[str, Questions]:
         """Take all devices away; return what each was asked, by the address of its device."""
-        asked: dict[str, Asked] = {}
+        asked: dict[str, Questions] = {}
         with suppress(OSError, EOFError):
             self._ours.send(None)
             if self._ours.poll(UP_S):
@@ -247,7 +247,7 @@ def _serve(clock: Clock, lines: Mapping[str, RecordedLine], parent: Connection) 
         wait_s = 0.0
         while parent.fileno() not in select.select(waited_for, [], [], wait_s)[0]:
             wait_s = min((end.service() for end in ends.values()), default=ROUND_S)
-        parent.send({address: Asked(end.asked, tuple(end.unlike)) for address, end in ends.items()})
+        parent.send({address: Questions(end.asked, tuple(end.unlike)) for address, end in ends.items()})
     except (OSError, KeyboardInterrupt):
         pass
     finally:

@@ -95,13 +95,13 @@ class Feed:
 
     def step(self, now_ns: int) -> None:
         """Say what is due, and read answers."""
-        self._hear(now_ns)
+        self._read_answers(now_ns)
         while self._stops and self._stops[0][0] <= now_ns:
             self._emergency(engaged=self._stops.popleft()[1])
         while self._commands and self._commands[0].at_ns <= now_ns and not self._held(self._commands[0], now_ns):
             command = self._commands.popleft()
             self.late_ns = max(self.late_ns, now_ns - command.at_ns)
-            self._say(command, now_ns)
+            self._send(command, now_ns)
         while self._again and self._again[0][0] <= now_ns:
             _, said, payload = self._again.popleft()
             self._ask(said, payload)
@@ -114,7 +114,7 @@ class Feed:
 
     def finish(self, now_ns: int) -> bool:
         """Read answers; say whether all are there."""
-        self._hear(now_ns)
+        self._read_answers(now_ns)
         return not self._waiting and not self._again
 
     def otherwise(self, window_ns: int) -> list[Sent]:
@@ -145,7 +145,7 @@ class Feed:
             return False
         return goal.ended_ns <= command.at_ns and now_ns < goal.until_ns
 
-    def _say(self, command: Command, now_ns: int) -> None:
+    def _send(self, command: Command, now_ns: int) -> None:
         self._await(command.at_ns, now_ns)
         payload, lease = command.payload, _lease_of(command.payload)
         if lease:
@@ -177,9 +177,9 @@ class Feed:
                 self._woken.clear()
                 if not query.replies:
                     self._woken.wait(WAIT_S)
-        self._hear(now_ns)
+        self._read_answers(now_ns)
 
-    def _hear(self, now_ns: int) -> None:
+    def _read_answers(self, now_ns: int) -> None:
         for stream in self._results:
             for raw in stream.take():
                 if (result := read_or_none(raw.payload, _Result)) is not None:

@@ -22,7 +22,7 @@ OUTSIDE = frozenset({"call", "mqtt", "power", "registrar"})
 """Kinds that reach beyond the robot: to other machines, or to this machine's switch."""
 
 
-class Place(Struct, frozen=True, kw_only=True):
+class Rerun(Struct, frozen=True, kw_only=True):
     """Where it runs: its home and launch profile, which capabilities run, and which not, with the reason."""
 
     home: Path
@@ -33,7 +33,7 @@ class Place(Struct, frozen=True, kw_only=True):
     """The address of each device's end."""
 
 
-def prepare(place: Path, robot: str, rows: RecordedRows, lines: Collection[str]) -> Place:
+def prepare(place: Path, robot: str, rows: RecordedRows, lines: Collection[str]) -> Rerun:
     """Make the home; InputError if these rows cannot run here."""
     database = place / "robot.db"
     own = home.home() / "capabilities"
@@ -54,7 +54,7 @@ def prepare(place: Path, robot: str, rows: RecordedRows, lines: Collection[str])
             devices[str(row["name"])] = f"unix:{path}" if emulated == "socket" else path
     profile = place / "recorded.toml"
     profile.write_text(_profile(robot, left_out, devices))
-    return Place(home=place, profile=profile, runs=kinds, left_out=left_out, devices=devices)
+    return Rerun(home=place, profile=profile, runs=kinds, left_out=left_out, devices=devices)
 
 
 def _profile(robot: str, without: Collection[str], devices: Mapping[str, str]) -> str:

@@ -1,4 +1,4 @@
-"""Hears the bus without being woken by it: the bus library keeps what comes, and once in a while all of it is taken."""
+"""What comes on the bus: the bus library keeps it, and once in a while all of it is taken."""
 
 import base64
 import functools
@@ -65,7 +65,7 @@ _stamps = msgspec.json.Decoder(_Stamp)
 _NO_STAMP = _Stamp()
 
 
-class Heard(NamedTuple):
+class Arrival(NamedTuple):
     """A message as it is recorded; `mono_ns` is when it was sent by our clock."""
 
     topic: str
@@ -78,7 +78,7 @@ class Heard(NamedTuple):
 
 
 class _Feed:
-    """A stream that is heard."""
+    """A subscribed stream."""
 
     def __init__(self, subscription: wire.PolledSubscription, topic: str, number: int, *, picture: bool) -> None:
         self.subscription = subscription
@@ -90,7 +90,7 @@ class _Feed:
         self.last = 0
 
 
-class Ear:
+class Inbox:
     """Hears the streams of a robot, its events and its status. One thread uses it."""
 
     def __init__(self, bus: Session, robot: str, source: str, channels: Channels, clock: Clock) -> None:
@@ -105,8 +105,8 @@ class Ear:
         self._cameras: dict[str, RecordedStream] = {}
         self._asked: list[tuple[RecordedStream, wire.PendingQuery]] = []
         self._seen: dict[str, tuple[int, int]] = {}
-        self._hear(keys.event(robot), EVENT, _channel(EVENT, Event), EVENTS_DEPTH)
-        self._hear(keys.status(robot), STATUS, _channel(STATUS, Status), 64)
+        self._subscribe(keys.event(robot), EVENT, _channel(EVENT, Event), EVENTS_DEPTH)
+        self._subscribe(keys.status(robot), STATUS, _channel(STATUS, Status), 64)
 
     def follow(self, streams: Collection[RecordedStream], wanted: Callable[[str], bool], *, pictures: bool) -> None:
         """Hear these streams, and no others; every picture only if so asked."""
@@ -122,11 +122,11 @@ class Ear:
             if key in self._feeds:
                 self._feeds[key].number = number
             else:
-                self._hear(
+                self._subscribe(
                     key, channel.topic, channel, PICTURES_DEPTH if stream.picture else DEPTH, picture=stream.picture
                 )
 
-    def hear_lines(self, *, on: bool) -> None:
+    def subscribe_lines(self, *, on: bool) -> None:
         """Hear the bytes of lines, and commands, of every capability, or no longer: only while they are heard they are
         told."""
         if on and self._taped is None:
@@ -145,7 +145,7 @@ class Ear:
                     continue
                 self._asked.append((stream, query))
 
-    def take(self) -> Iterator[Heard]:
+    def take(self) -> Iterator[Arrival]:
         """Yield what came since the last call, stream by stream."""
         for feed in self._feeds.values():
             for raw in feed.subscription.take():
@@ -162,11 +162,11 @@ class Ear:
 
     def close(self) -> None:
         """Hear no more."""
-        self.hear_lines(on=False)
+        self.subscribe_lines(on=False)
         for feed in self._feeds.values():
             feed.subscription.close()
 
-    def _pictures(self) -> Iterator[Heard]:
+    def _pictures(self) -> Iterator[Arrival]:
         waiting = []
         for stream, query in self._asked:
             if not query.done:
@@ -179,14 +179,14 @@ class Ear:
                     yield self._dated(channel.topic, self._channels.number(channel), stamp, raw.payload, picture=True)
         self._asked = waiting
 
-    def _dated(self, topic: str, number: int, stamp: _Stamp, payload: bytes, *, picture: bool) -> Heard:
+    def _dated(self, topic: str, number: int, stamp: _Stamp, payload: bytes, *, picture: bool) -> Arrival:
         mono_ns = self._clock.sent_ns(stamp.boot, stamp.mono_ns)
         publish_ns = stamp.wall_ns if 0 < stamp.wall_ns < MOST_NS else self._clock.dated(mono_ns)
         if picture:
             payload = image(payload, topic.partition("/")[0], self._clock.dated(mono_ns))
-        return Heard(topic, number, stamp.seq, mono_ns, publish_ns, payload, picture)
+        return Arrival(topic, number, stamp.seq, mono_ns, publish_ns, payload, picture)
 
-    def _hear(self, key: str, topic: str, channel: Channel, depth: int, *, picture: bool = False) -> None:
+    def _subscribe(self, key: str, topic: str, channel: Channel, depth: int, *, picture: bool = False) -> None:
         subscription = wire.PolledSubscription(self._bus, key, depth=depth)
         self._feeds[key] = _Feed(subscription, topic, self._channels.number(channel), picture=picture)
 
