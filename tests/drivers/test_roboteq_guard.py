@@ -301,11 +301,3 @@ def test_the_guard_is_not_held_up_by_a_controller_that_babbles(driver, peer):
     process.kill()
     until(lambda: gone(guard))
     assert peer.log.count("!M 0 0") >= 4
-
-
-def test_a_row_may_do_without_a_guard(peer):
-    ctx = DriverContext(KIND, KIND.parse('{"device": "motors", "guard": false}'), peer.path, "roboteq")
-    motors = Roboteq(ctx)
-    motors.open()
-    assert motors._guard is None
-    motors.close()

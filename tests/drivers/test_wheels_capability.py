@@ -8,7 +8,7 @@ from msgspec.structs import replace
 
 from lbr.drivers.roboteq.controller import Controller
 from lbr.drivers.wheels import EnableCommand, capability
-from lbr.drivers.wheels.arming import START
+from lbr.drivers.wheels.arming import START, Setpoint, receive
 from lbr.drivers.wheels.capability import GUARD_STARTS
 from lbr.errors import DeviceError
 from lbr.messages.kinematics import Kinematics, Wheel
@@ -237,6 +237,38 @@ def test_a_setpoint_of_another_than_the_wired_source_neither_arms_nor_moves(benc
     bench.give(0.9, source="stranger")
     bench.step()
     assert bench.state.left == 0.5
+
+
+def test_without_a_wired_source_nothing_arms(bench):
+    bench.ctx.wired["setpoint"] = ()
+    bench.steps(2 * STEP_S, 0.0)
+    assert not bench.state.armed
+    assert bench.state.reason == "no source is wired to the setpoint"
+
+
+def test_a_zero_from_before_the_driver_began_does_not_arm_it():
+    bench = WheelBench()
+    began, arming = bench.ctx.now, bench.motors._arming
+    zeros = [Setpoint((0.0, 0.0), "", born) for born in (began, began + 0.001)]
+    assert [receive(arming, zero, began + 1.0, valid_s=10.0).armed for zero in zeros] == [False, True]
+
+
+def test_after_a_release_nothing_moves_until_a_new_zero(bench):
+    bench.drive()
+    press(bench)
+    bench.ctx.estop.engaged = False
+    bench.steps(4 * STEP_S, 0.5)
+    assert (bench.outputs, bench.state.armed) == ((0.0, 0.0), False)
+    bench.drive(lease="L2")
+    assert bench.outputs != (0.0, 0.0)
+
+
+def test_a_fault_that_the_row_tolerates_is_shown_and_stops_nothing(bench):
+    bench.line.misread = {b"FF=0": b"FF=128"}
+    bench.steps(0.5)
+    assert bench.state.faults == ("default_configuration",)
+    bench.drive()
+    assert bench.outputs != (0.0, 0.0)
 
 
 def test_silence_of_the_source_is_a_mishap_that_is_told(bench):
