@@ -1,29 +1,18 @@
 """The driver's bus against the emulated one, which was written apart from it; the time between them is the test's."""
 
-import threading
-import time
-
 import msgspec
 import pytest
 
-from lbr.capability.context import Device
-from lbr.drivers.dynamixel import KIND, table
+from lbr.drivers.dynamixel import table
 from lbr.drivers.dynamixel.bus import Bus
-from lbr.drivers.dynamixel.capability import Dynamixel
 from lbr.drivers.dynamixel.recovery import recovery
 from lbr.drivers.dynamixel.setup import Setup
 from lbr.drivers.servos.line import ServoLine
 from lbr.drivers.servos.poller import Poller
-from lbr.messages.joints import Joint
-from lbr.messages.servos import ServoGoal, ServoSetpoint
 from lbr.simulation.devices.dynamixel import DynamixelFaults
 from lbr.simulation.devices.dynamixel.bus import DynamixelBus
 from lbr.simulation.devices.dynamixel.dongle import Usb2Ax
 from lbr.simulation.devices.dynamixel.servo import AxServo
-from lbr.simulation.devices.dynamixel.twin import DynamixelTwin
-from lbr.simulation.twins import Surroundings
-from tests.drivers.peers import DriverContext
-from tests.support.waiting import until
 
 IDS = range(1, 19)
 WANTED = [(table.RETURN_LEVEL, 2), (table.RETURN_DELAY, 0), (table.SHUTDOWN, 36)]
@@ -174,51 +163,6 @@ def test_an_overload_is_seen_and_recovered_once_its_cause_is_gone():
     assert recovery(3, rig.setup.kept[3])(rig.bus) == ""
     servos = rig.sweep(0.5)[-1].servos
     assert (servos[3].error, servos[3].slow.limit) == (0, 1023)
-
-
-def test_the_whole_driver_moves_emulated_servos_and_lets_them_go(tmp_path):
-    address = tmp_path / "ttyServos"
-    twin = DynamixelTwin(Device("servos", "dynamixel", str(address), {}), Surroundings(1, 0.0))
-    ending = threading.Event()
-
-    def serve():
-        while not ending.is_set():
-            twin.service(time.monotonic())
-            time.sleep(0.0002)
-
-    thread = threading.Thread(target=serve)
-    thread.start()
-    until(address.exists)
-    settings = '{"device": "servos", "guard": false, "reply_margin_s": 0.05, "on_close": "release"}'
-    ctx = DriverContext(KIND, KIND.parse(settings), address, "dynamixel")
-    ctx.wired["setpoint"] = ("joints",)
-    ctx.given = tuple(Joint(name=f"j{n}", device_id=n, lower_rad=-2, upper_rad=2, speed_rps=3) for n in IDS)
-    driver = Dynamixel(ctx)
-    driver.open()
-
-    def so(condition, **goal):
-        def step():
-            if goal:
-                goals = tuple(ServoGoal(id=n, speed_rps=3.0, **goal) for n in IDS)
-                ctx.give(ServoSetpoint(goals=goals), source="joints")
-            driver.step()
-            time.sleep(0.002)
-            return condition()
-
-        until(step)
-
-    def each(check):
-        return bool(ctx.published) and ctx.state.servos and all(check(servo) for servo in ctx.state.servos)
-
-    so(lambda: each(lambda servo: servo.torque == 0.0))
-    so(lambda: each(lambda servo: servo.torque == 1.0), torque=1.0)
-    so(lambda: each(lambda servo: abs((servo.position_rad or 0.0) - 0.3) < 0.03), position_rad=0.3)
-    assert ctx.state.bus.sync_read
-    driver.close()
-    until(lambda: all(drive.torque == 0.0 for drive in twin.drives(0.0).values()))
-    ending.set()
-    thread.join()
-    twin.port.unplug()
 
 
 @pytest.mark.parametrize("dongle", [None, 5])
