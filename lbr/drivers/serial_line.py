@@ -1,37 +1,46 @@
-"""A serial line held by one driver alone: found by a stable name, opened exclusively, never blocking."""
+"""A serial line held by one driver alone: found by a stable name, opened exclusively, never blocking. No protocol."""
 
 import fcntl
 import os
 import re
 import select
 import termios
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from glob import glob
 from pathlib import Path
+from typing import TypeVar
 
 import serial
 from serial.tools import list_ports
 
 from lbr.capability.context import Device
+from lbr.capability.tap import Tap
 from lbr.drivers import access
 from lbr.errors import DeviceError
 
 BY_ID = "/dev/serial/by-id"
 READ_BYTES = 4096
+BITS_PER_BYTE = 10
 
 
 class SerialLine:
-    """An open tty. Every failure is a DeviceError that names the device row, the path and what to do."""
+    """An open tty. Every failure is a DeviceError that names the device row, the path and what to do.
 
-    def __init__(self, device: Device, path: str, port: serial.Serial) -> None:
-        self.device = device.name
-        self.path = path
-        self.tap = device.tap
+    A guard has no `port`, only the descriptor that it was given.
+    """
+
+    def __init__(
+        self, fd: int, name: str, baud: int, *, tap: Tap | None = None, port: serial.Serial | None = None
+    ) -> None:
+        self.name = name
+        self.baud = baud
+        self._fd = fd
+        self._tap = tap or Tap()
         self._port = port
-        self._fd: int = port.fileno()
-        self._poll = select.poll()
-        self._poll.register(self._fd, select.POLLIN)
+        poll = select.poll()
+        poll.register(fd, select.POLLIN)
+        self._wait = poll.poll
 
     def fileno(self) -> int:
         """The open descriptor."""
@@ -39,72 +48,91 @@ class SerialLine:
 
     def read(self, wait_s: float = 0.0) -> bytes:
         """Return what has come in, waiting for the first byte for `wait_s` at most; empty if nothing has."""
-        with self._telling("cannot be read"):
-            if not self._poll.poll(max(0.0, wait_s) * 1000.0):
+        try:
+            if not self._wait(wait_s * 1000.0 if wait_s > 0.0 else 0):
                 return b""
-            try:
-                data = os.read(self._fd, READ_BYTES)
-            except BlockingIOError:
-                return b""
+            data = os.read(self._fd, READ_BYTES)
+        except BlockingIOError:
+            return b""
+        except OSError as err:
+            raise self._line_lost(f"cannot be read: {_cause(err)}") from err
         if not data:
             raise self._line_lost("end of file")
-        self.tap.came(data)
+        self._tap.came(data)
         return data
 
     def write(self, data: bytes) -> int:
         """Hand over what the line takes at once and return how much that was; never waits."""
-        with self._telling("cannot be written"):
-            try:
-                written = os.write(self._fd, data)
-            except BlockingIOError:
-                return 0
-            self.tap.sent(data[:written])
-            return written
+        try:
+            written = os.write(self._fd, data)
+        except BlockingIOError:
+            return 0
+        except OSError as err:
+            raise self._line_lost(f"cannot be written: {_cause(err)}") from err
+        self._tap.sent(data[:written])
+        return written
+
+    def send(self, data: bytes) -> bool:
+        """Write all of it at once; False when the line takes no more, which then has lost what it held."""
+        if self.write(data) == len(data):
+            return True
+        self.drop_output()
+        return False
+
+    def wire_s(self, count: int) -> float:
+        """Return how long this many bytes take on the wire."""
+        return count * BITS_PER_BYTE / self.baud
 
     def set_baud(self, baud: int) -> None:
         """Go on at another speed; the line stays open, so that a board that begins again at each opening does not."""
+        assert self._port is not None
         try:
             self._port.baudrate = baud
         except ValueError as err:
-            raise DeviceError(f"device '{self.device}' at {self.path} cannot be read at {baud} baud: {err}") from err
+            raise DeviceError(f"{self.name} cannot be read at {baud} baud: {err}") from err
         except (OSError, termios.error) as err:
             raise self._line_lost(f"cannot be set to {baud} baud: {_cause(err)}") from err
 
     def low_latency(self) -> None:
         """Have the kernel hand over what comes in at once, where the line can: some adapters wait for 16 ms."""
+        assert self._port is not None
         with suppress(OSError, ValueError, termios.error):
             self._port.set_low_latency_mode(True)
 
     def drop_output(self) -> None:
         """Throw away what was written and has not left yet."""
-        with self._telling("cannot be flushed"):
-            termios.tcflush(self._fd, termios.TCOFLUSH)
+        self._flush(termios.TCOFLUSH)
 
     def drop_input(self) -> None:
         """Throw away what has come in and was not read yet."""
-        with self._telling("cannot be flushed"):
-            termios.tcflush(self._fd, termios.TCIFLUSH)
+        self._flush(termios.TCIFLUSH)
 
     def close(self) -> None:
-        """Close the line; never fails."""
-        with suppress(OSError, termios.error):
-            self._port.close()
+        """Close the line; never fails. A guard's is the kernel's to close."""
+        if self._port is not None:
+            with suppress(OSError, termios.error):
+                self._port.close()
 
-    @contextmanager
-    def _telling(self, trouble: str) -> Iterator[None]:
+    def _flush(self, queue: int) -> None:
         try:
-            yield
-        except DeviceError:
-            raise
-        except (OSError, termios.error) as err:
-            raise self._line_lost(f"{trouble}: {_cause(err)}") from err
+            termios.tcflush(self._fd, queue)
+        except (OSError, termios.error) as err:  # the latter is not an OSError
+            raise self._line_lost(f"cannot be flushed: {_cause(err)}") from err
 
     def _line_lost(self, cause: str) -> DeviceError:
-        return DeviceError(f"device '{self.device}' at {self.path} went away ({cause}); check its cable and power")
+        return DeviceError(f"{self.name} went away ({cause}); check its cable and power")
+
+
+L = TypeVar("L", bound=SerialLine)
 
 
 def open_line(device: Device, baud: int) -> SerialLine:
     """Open the line of a device row for this process alone."""
+    return opened(device, baud, SerialLine)
+
+
+def opened(device: Device, baud: int, line: Callable[..., L]) -> L:
+    """Open the same, as a `line` of a subclass."""
     path = resolve(device)
     try:
         port = serial.Serial(path, baudrate=baud, timeout=0, write_timeout=0, exclusive=True)
@@ -114,7 +142,7 @@ def open_line(device: Device, baud: int) -> SerialLine:
         with suppress(OSError):
             fcntl.ioctl(port.fileno(), termios.TIOCEXCL)
     device.tap.opened()
-    return SerialLine(device, path, port)
+    return line(port.fileno(), f"device '{device.name}' at {path}", baud, tap=device.tap, port=port)
 
 
 def resolve(device: Device, ports: Callable[[], list[tuple[str, int | None, int | None, str]]] | None = None) -> str:

@@ -305,7 +305,7 @@ class SlowLine:
         if self.came and self.came[0] == b"":
             self.came.pop(0)
 
-    def receive(self, wait_s):
+    def read(self, wait_s):
         self.now += wait_s
         return b"" if not self.came or self.came[0] == b"" else self.came.pop(0)
 

@@ -31,7 +31,7 @@ class TwinLine(ServoLine):
         self._came += self.emulated.feed(data, self.now, 1e6)
         return True
 
-    def receive(self, wait_s):
+    def read(self, wait_s):
         until_s = self.now + (max(wait_s, 1e-6) if wait_s else 0.0)
         while True:
             self._came += self.emulated.poll(self.now)

@@ -29,7 +29,7 @@ from lbr.simulation.loop import WorldLoop
 BUS_S = 0.7 * ROUND_S
 """So much of each round a bus's thread works; its last transaction may take longer."""
 LINES = (
-    *(f"lbr.drivers.{name}" for name in ("roboteq.capability", "ultrasonic.capability", "servos.line")),
+    *(f"lbr.drivers.{name}" for name in ("roboteq.capability", "ultrasonic.capability")),
     "lbr.robots.uxa90.driver.session",
 )
 WORLDS = frozenset({"world", "humanoid_world"})
@@ -68,7 +68,7 @@ class Line(ServoLine):
     """A driver's end; while it waits, the driver's own time goes by. `written` is what left it, and when."""
 
     def __init__(self, robot: "WholeRobot", device: Any, baud: int, margin_s: float = 0.01) -> None:
-        self.name, self.path, self.device, self.tap = device.name, device.address, device.name, device.tap
+        self.name = device.name
         self.margin_s = margin_s
         self._robot = robot
         self._owner = robot.opens = robot.owners[device.name]
@@ -81,7 +81,7 @@ class Line(ServoLine):
     def fileno(self) -> int:
         return -1
 
-    def receive(self, wait_s: float = 0.0) -> bytes:
+    def read(self, wait_s: float = 0.0) -> bytes:
         until = self._now() + wait_s
         while True:
             self._serve()
@@ -98,8 +98,6 @@ class Line(ServoLine):
         self._port.heard += data
         self._serve()
         return True
-
-    read = receive
 
     def write(self, data: bytes) -> int:
         self.send(data)
@@ -126,7 +124,7 @@ class Line(ServoLine):
     def _serve(self) -> None:
         self._twin.service(self._now())
         if not self._port.plugged:
-            raise DeviceError(f"device '{self.device}' went away", "unplugged")
+            raise DeviceError(f"device '{self.name}' went away", "unplugged")
 
 
 class MemorySocket(MemoryPort):
@@ -244,6 +242,5 @@ class WholeRobot:
         for module in LINES:
             patch.setattr(f"{module}.open_line", partial(Line, self))
         patch.setattr("lbr.drivers.dynamixel.capability.open_servo_line", partial(Line, self))
-        patch.setattr("lbr.robots.uxa90.driver.session.Wire", lambda *_, line: line)
         patch.setattr("lbr.drivers.mpu9150.capability.open_bus", lambda device, at: (MemoryBus(self, device), at))
         patch.setattr("lbr.drivers.mpu9150.capability.InertialUnit", lambda bus, *of: InertialUnit(bus, *of, bus.wait))

@@ -219,7 +219,7 @@ class Controller:
             raise self._wrong(f"left {self._lost_in_a_row} commands unanswered; check cable and power")
 
     def _wrong(self, trouble: str) -> DeviceError:
-        return DeviceError(f"device '{self._line.device}' at {self._line.path} {trouble}")
+        return DeviceError(f"{self._line.name} {trouble}")
 
     def _fresh(self, command: int) -> bytes | None:
         data, taken = self._read.get(command, (b"", -inf))

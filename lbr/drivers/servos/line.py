@@ -1,8 +1,10 @@
-"""The wire of a servo bus: one request out, bytes back within a time that follows from their number. No protocol."""
+"""The line of a servo bus: one request out, bytes back within a time that follows from their number. No protocol."""
+
+from functools import partial
+from typing import Any
 
 from lbr.capability.context import Device
-from lbr.drivers.serial_line import SerialLine, open_line
-from lbr.drivers.wire import Wire
+from lbr.drivers.serial_line import SerialLine, opened
 
 SERVO_S = 0.0003
 """The time until a servo begins its answer, and the hole in it that its motor control makes (datasheet and measured).
@@ -11,11 +13,11 @@ LONGEST_DELAY_S = 0.000508
 """The largest return delay time a servo can be set to."""
 
 
-class ServoLine(Wire):
+class ServoLine(SerialLine):
     """An open tty for short transactions."""
 
-    def __init__(self, fd: int, name: str, baud: int, *, margin_s: float, line: SerialLine | None = None) -> None:
-        super().__init__(fd, name, baud, line=line)
+    def __init__(self, fd: int, name: str, baud: int, *, margin_s: float, **rest: Any) -> None:
+        super().__init__(fd, name, baud, **rest)
         self.margin_s = margin_s
 
     def busy_s(self, sent_bytes: int, back_bytes: int, servos: int = 1) -> float:
@@ -25,6 +27,6 @@ class ServoLine(Wire):
 
 def open_servo_line(device: Device, baud: int, margin_s: float) -> ServoLine:
     """Open the line of a device row for this process alone."""
-    line = open_line(device, baud)
+    line = opened(device, baud, partial(ServoLine, margin_s=margin_s))
     line.low_latency()
-    return ServoLine(line.fileno(), f"'{device.name}' at {line.path}", baud, margin_s=margin_s, line=line)
+    return line

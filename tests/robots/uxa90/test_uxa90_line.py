@@ -5,7 +5,7 @@ from itertools import count
 
 import pytest
 
-from lbr.drivers.wire import Wire
+from lbr.drivers.serial_line import SerialLine
 from lbr.robots.uxa90.driver import packets
 from lbr.robots.uxa90.driver.bus import Bus
 from lbr.robots.uxa90.driver.frames import TAKE_CONTROL, Frame
@@ -18,7 +18,7 @@ from tests.fuzzing.uxa90_answers import KINDS, Fuzzer, wrong
 BYTE_S = 10 / 115_200
 
 
-class FuzzLine(Wire):
+class FuzzLine(SerialLine):
     """A line to emulated servos; waiting is what moves the clock."""
 
     def __init__(self, fuzzer):
@@ -37,7 +37,7 @@ class FuzzLine(Wire):
     def inject(self, piece, delay_s=0.0):
         heapq.heappush(self._due, (self.now + delay_s, next(self._order), piece))
 
-    def receive(self, wait_s):
+    def read(self, wait_s):
         until = self.now + max(wait_s, 1e-5)
         if self._due and self._due[0][0] <= until:
             self.now = max(self.now, self._due[0][0])
@@ -158,7 +158,7 @@ def test_moves_are_written_whatever_the_line_does_and_their_answers_are_nobodys_
     rig.run(0.6)
     rig.line.inject(b"\x01\x02\x03")
     rig.bus.drain()
-    rig.line.receive(0.001)
+    rig.line.read(0.001)
     rig.line.inject(b"\x01")
     assert not rig.bus.quiet() or rig.bus.write([(3, packets.move(3, 0, 100))]) is None
     rig.bus.write([(3, packets.move(3, 0, 100))])

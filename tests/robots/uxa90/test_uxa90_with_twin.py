@@ -3,7 +3,7 @@
 import msgspec
 import pytest
 
-from lbr.drivers.wire import Wire
+from lbr.drivers.serial_line import SerialLine
 from lbr.robots.uxa90.driver import frames, packets
 from lbr.robots.uxa90.driver.bus import Bus
 from lbr.robots.uxa90.driver.messages import COUNT_RAD, ConfigureCommand, InquireCommand
@@ -18,7 +18,7 @@ from lbr.robots.uxa90.twin.board import MainBoard
 IDS = range(25)
 
 
-class TwinLine(Wire):
+class TwinLine(SerialLine):
     """A line straight to an emulated main board; waiting is what moves the clock."""
 
     def __init__(self, board):
@@ -29,7 +29,7 @@ class TwinLine(Wire):
         self._came += self.board.feed(data, self.now, 115_200)
         return True
 
-    def receive(self, wait_s):
+    def read(self, wait_s):
         until_s = self.now + max(wait_s, 1e-6)
         while True:
             self._came += self.board.poll(self.now)

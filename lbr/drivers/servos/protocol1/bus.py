@@ -107,7 +107,7 @@ class ProtocolBus:
 
     def leftover(self) -> list[Status]:
         """Return what comes unasked within a moment, such as from a second servo with the same id."""
-        data = self._line.receive(QUIET_S)
+        data = self._line.read(QUIET_S)
         return StatusParser().feed(data) if data else []
 
     def ask(self, question: Question, tries: int | None = None, patience_s: float = inf) -> bytes | None:
@@ -120,7 +120,7 @@ class ProtocolBus:
                 self._settle(question)
             line.send(question.request)
             late_s = min(patience_s, question.within_s - question.busy_s)
-            data = line.receive(question.busy_s) or self._patience(late_s)
+            data = line.read(question.busy_s) or self._patience(late_s)
             if (
                 len(data) == question.size
                 and data.startswith(question.head)
@@ -143,12 +143,12 @@ class ProtocolBus:
         parser, line = StatusParser(), self._line
         self.cut_short = False
         if self._wary_until:
-            self._came_late(line.receive(0.0))
+            self._came_late(line.read(0.0))
         line.send(request)
         answers_bytes = (packet.OVERHEAD_BYTES + count) * len(servos)
         until = self._clock() + line.busy_s(len(request), answers_bytes, len(servos)) + line.margin_s
         while len(answers) < len(servos) and (left_s := until - self._clock()) > 0.0:
-            data = line.receive(min(LISTEN_SLICE_S, left_s))
+            data = line.read(min(LISTEN_SLICE_S, left_s))
             for status in parser.feed(data):
                 if status.id in servos and status.id not in answers and len(status.params) == count:
                     answers[status.id] = status
@@ -212,7 +212,7 @@ class ProtocolBus:
         """Return what comes in that time; not a moment longer when something is urgent."""
         until = self._clock() + wait_s
         while (left_s := until - self._clock()) > 0.0 and not self._urgent():
-            data = self._line.receive(min(LISTEN_SLICE_S, left_s))
+            data = self._line.read(min(LISTEN_SLICE_S, left_s))
             if data:
                 return data
         return b""
@@ -270,12 +270,12 @@ class ProtocolBus:
         listen_until = self._late.pop(question.head, 0.0)
         late = b""
         while (now := self._clock()) < listen_until and not self._urgent():
-            late += self._line.receive(min(LISTEN_SLICE_S, listen_until - now))
+            late += self._line.read(min(LISTEN_SLICE_S, listen_until - now))
         if now >= self._wary_until:
             self._wary_until = 0.0
             self._late.clear()
         else:
-            late += self._line.receive(0.0)
+            late += self._line.read(0.0)
         self._came_late(late)
 
     def _came_late(self, data: bytes) -> None:

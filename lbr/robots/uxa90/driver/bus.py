@@ -14,8 +14,8 @@ from math import inf
 from random import uniform
 from typing import NamedTuple
 
+from lbr.drivers.serial_line import SerialLine
 from lbr.drivers.servos.contract import Counts as LineCounts
-from lbr.drivers.wire import Wire
 from lbr.robots.uxa90.driver import frames, packets
 from lbr.robots.uxa90.driver.frames import Frame, FrameParser
 from lbr.robots.uxa90.driver.packets import ANSWER_BYTES, Answer
@@ -74,7 +74,7 @@ class Bus:
 
     def __init__(
         self,
-        line: Wire,
+        line: SerialLine,
         reply_s: float,
         *,
         clock: Callable[[], float] = time.monotonic,
@@ -258,7 +258,7 @@ class Bus:
 
     def _take(self, wait_s: float) -> bytes:
         """Return the bytes that came and belong to no frame."""
-        data = self._line.receive(wait_s)
+        data = self._line.read(wait_s)
         if not data:
             return b""
         self._came_at = self._clock()

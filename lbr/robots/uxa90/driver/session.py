@@ -11,7 +11,6 @@ from lbr.drivers.servos import session
 from lbr.drivers.servos.bus_thread import READ, STOP, WRITE
 from lbr.drivers.servos.contract import Tell
 from lbr.drivers.servos.guard import Guard as ServosGuard
-from lbr.drivers.wire import Wire
 from lbr.messages.imu import ImuSample
 from lbr.robots.uxa90.driver import Uxa90Settings, frames
 from lbr.robots.uxa90.driver.bus import Bus
@@ -46,9 +45,8 @@ class Session(session.Session[Uxa90Settings, Bus]):
         blocked: str = "",
     ) -> None:
         settings = ctx.settings
-        line = open_line(device, settings.baud)
-        line.low_latency()
-        self._line = Wire(line.fileno(), f"'{device.name}' at {line.path}", settings.baud, line=line)
+        self._line = open_line(device, settings.baud)
+        self._line.low_latency()
         bus = Bus(
             self._line,
             settings.reply_s,
