@@ -1,2 +1,1 @@
-"""Sounds for any app that plays some: WAV files, names that are safe as files, and sinks that report whether they were
-heard."""
+"""Sounds for any app that plays some: WAV files, safe names of files, and sinks that say whether they were heard."""

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 from lbr.errors import InputError
+from lbr.names import did_you_mean
 
 _ALLOWED = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
 
@@ -22,3 +23,9 @@ def stems(folder: Path, *suffixes: str) -> list[str]:
         return sorted({path.stem for path in folder.iterdir() if path.suffix in suffixes and path.is_file()})
     except OSError:
         return []
+
+
+def unknown(folder: Path, name: str, subject: str, *suffixes: str) -> InputError:
+    """Return the refusal of a name that no file in a folder has."""
+    meant = did_you_mean(name, stems(folder, *suffixes))
+    return InputError(f"there is no {subject} '{name}' in {folder}; {meant}", "unknown_name")

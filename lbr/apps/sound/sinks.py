@@ -1,5 +1,4 @@
-"""Where sound is heard: a sound card by `aplay`, whose exit code is honest, or a folder that takes the time of
-playing."""
+"""Where sound is heard: a sound card by `aplay`, whose exit code is honest, or a folder that takes as long."""
 
 import contextlib
 import os

@@ -6,7 +6,6 @@ from pathlib import Path
 from lbr.apps.sound import formats, names, wav
 from lbr.apps.sound.wav import Wav
 from lbr.errors import InputError
-from lbr.names import did_you_mean
 
 MOST_RECORDINGS = 200
 _SUFFIXES = (formats.WAV, *formats.OTHERS)
@@ -19,7 +18,7 @@ def recording(home: Path, name: str) -> Wav | Path:
     folder, name = home / "sounds", names.checked(name.lower(), "recording")
     path = next((path for suffix in _SUFFIXES if (path := folder / f"{name}{suffix}").is_file()), None)
     if path is None:
-        raise _unknown(folder, name, "recording", *_SUFFIXES)
+        raise names.unknown(folder, name, "recording", *_SUFFIXES)
     if path.suffix != formats.WAV:
         formats.ensure_decodable(path)
         return path
@@ -28,7 +27,11 @@ def recording(home: Path, name: str) -> Wav | Path:
 
 def song(home: Path, name: str) -> Wav:
     """Return a song; raise InputError naming which it may have been."""
-    return _known(home / "music", names.checked(name, "song"), "song")
+    folder = home / "music"
+    path = folder / f"{names.checked(name, 'song')}{formats.WAV}"
+    if not path.is_file():
+        raise names.unknown(folder, name, "song", formats.WAV)
+    return wav.read(path)
 
 
 def place_for(home: Path, name: str) -> Path:
@@ -39,18 +42,6 @@ def place_for(home: Path, name: str) -> Path:
     if path.stem not in known and len(known) >= MOST_RECORDINGS:
         raise InputError(f"there are {MOST_RECORDINGS} recordings already; remove some from {folder}")
     return path
-
-
-def _known(folder: Path, name: str, what: str) -> Wav:
-    path = folder / f"{name}{formats.WAV}"
-    if not path.is_file():
-        raise _unknown(folder, name, what, formats.WAV)
-    return wav.read(path)
-
-
-def _unknown(folder: Path, name: str, what: str, *suffixes: str) -> InputError:
-    known = did_you_mean(name, names.stems(folder, *suffixes))
-    return InputError(f"there is no {what} '{name}' in {folder}; {known}", "unknown_name")
 
 
 def _compressed(path: Path) -> bool:

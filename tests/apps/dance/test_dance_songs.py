@@ -40,18 +40,13 @@ def test_a_song_is_its_sound_and_its_beats(music):
         '{"BEATS": [1, 2, 2]}',
         '{"BEATS": [1, 5]}',
         "\ufeff{}",
+        "[" * 100_000,
         " " * 1_000_001,
     ],
 )
-def test_beats_that_are_wrong_are_refused_with_file_and_line_or_beat(music, text, wording):
+def test_beats_that_are_wrong_are_refused_with_file_and_beat(music, text, wording):
     (music / "tune.json").write_text(text)
     with wording.of(InputError):
-        songs.load(music, "tune")
-
-
-def test_beats_that_are_nested_deeper_than_python_reads_are_refused(music):
-    (music / "tune.json").write_text("[" * 100_000)
-    with pytest.raises(InputError, match=r"tune\.json"):
         songs.load(music, "tune")
 
 
@@ -59,7 +54,7 @@ def test_what_is_missing_is_named(music):
     with pytest.raises(InputError, match="did you mean tune"):
         songs.load(music, "tunes")
     (music / "tune.json").write_bytes(b'{"BEATS": [\xff]}')
-    with pytest.raises(InputError, match="not UTF-8"):
+    with pytest.raises(InputError, match=r"tune\.json: "):
         songs.load(music, "tune")
     (music / "tune.json").unlink()
     with pytest.raises(InputError, match=r"tune\.json is missing"):
@@ -78,7 +73,7 @@ NUMBERS = st.one_of(st.floats(), st.integers(), st.booleans(), st.none(), st.tex
 @given(st.one_of(st.text(max_size=60), st.lists(NUMBERS, max_size=6).map(lambda beats: json.dumps({"BEATS": beats}))))
 def test_whatever_stands_in_the_file_is_refused_or_beats_in_order(text):
     try:
-        beats = songs.parse(text, "x.json")
+        beats = songs.parse(text.encode("utf-8", "surrogatepass"), "x.json")
     except InputError as err:
         assert "x.json" in str(err)  # noqa: PT017 - both ends are right
         return
