@@ -79,11 +79,9 @@ class BusOperator:
         streams: Session | None = None,
         listen: bool = True,
         answers_within_s: float = LINE_TIMEOUT_S,
-        on_end: Callable[[str, Ending], None] = lambda _line, _ending: None,
-        wake: Callable[[], None] = lambda: None,
     ) -> None:
         self.robot = robot
-        self.on_end = on_end
+        self.on_end: Callable[[str, Ending], None] = lambda _line, _ending: None
         self.ear = Ear()
         self._session = session
         self._source = source
@@ -96,7 +94,7 @@ class BusOperator:
         self._news = EventFilter(source)
         self._quiet_until = 0.0
         self._holder: LeaseKeeper | None = None
-        self._latest: _Latest | None = _Latest(streams or session, robot, wake) if listen else None
+        self._latest: _Latest | None = _Latest(streams or session, robot) if listen else None
 
     def submit(self, line: str, waited_s: float = 0.0) -> ConsoleResult:
         """Say a line, hold the motion that it starts, and return its result; InputError and BusError say why not.
@@ -244,8 +242,8 @@ class _Latest:
 
     FRESH_S = 2.0
 
-    def __init__(self, session: Session, robot: str, wake: Callable[[], None]) -> None:
-        self._events = wire.Subscription(session, keys.event(robot), depth=256, wake=wake)
+    def __init__(self, session: Session, robot: str) -> None:
+        self._events = wire.Subscription(session, keys.event(robot), depth=256)
         self._status = _Slot(session, keys.status(robot), Status)
         self._drive = _Slot(session, keys.port(robot, "drive", "state"), DriveState)
         self._motors = _Slot(session, keys.port(robot, "motors", "state"), MotorsState)
