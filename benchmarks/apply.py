@@ -147,7 +147,7 @@ def _round(
         command.wait(timeout=BACK_S)
         robot.close()
         since, tried = time.monotonic(), False
-        robot = start(home, limit_s=BACK_S)
+        robot = start(home)
     faults = list(_not_ready(robot))
     with suppress(AssertionError):
         until(lambda: not list(_not_ready(robot)), limit_s=BACK_S)

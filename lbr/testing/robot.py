@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from os import environ
 from pathlib import Path
@@ -134,15 +134,19 @@ def prepared(home: Path, edits: Iterable[str] = ()) -> Path:
 def running(profile: str = "lbr-sim", *, edits: Iterable[str] = (), home: Path | None = None) -> Iterator[Robot]:
     """Run a robot for the time of a `with`, in a home made for it or in yours; none of its processes outlives that."""
     with tempfile.TemporaryDirectory(prefix="lbr-") as place:  # a short path, because the names of sockets are bounded
-        robot = _started(prepared(Path(place) / "h", edits) if home is None else home, profile)
+        home = prepared(Path(place) / "h", edits) if home is None else home
+        argv = (sys.executable, "-m", "lbr.start", "run", profile, "--no-console")
+        robot = Robot(home, *started(dying_with_parent(argv), home))
         try:
             yield robot
         finally:
             robot.close()
 
 
-def _started(home: Path, profile: str) -> Robot:
-    argv = dying_with_parent((sys.executable, "-m", "lbr.start", "run", profile, "--no-console"))
+def started(
+    argv: Sequence[str], home: Path, within_s: float = READY_S
+) -> "tuple[subprocess.Popen[str], dict[str, Any]]":
+    """Start a program that runs a robot in a home, and return it with its ready line; one that is late is killed."""
     errors_file = home / "stderr.txt"
     with errors_file.open("ab") as errors:
         popen = subprocess.Popen(
@@ -156,13 +160,13 @@ def _started(home: Path, profile: str) -> Robot:
     with ExitStack() as failed:  # also when the time of the test is over
         failed.callback(_killed, popen)
         assert popen.stdout is not None
-        end = time.monotonic() + READY_S
+        end = time.monotonic() + within_s
         while not select.select([popen.stdout], [], [], 0.1)[0]:
-            assert time.monotonic() < end, f"not ready within {READY_S:g} s: {errors_file.read_text()[-2000:]}"
+            assert time.monotonic() < end, f"not ready within {within_s:g} s: {errors_file.read_text()[-2000:]}"
         line = popen.stdout.readline()
         assert line, f"no ready line: {errors_file.read_text()[-2000:]}"
         failed.pop_all()
-    return Robot(home, popen, json.loads(line))
+    return popen, json.loads(line)
 
 
 def _killed(popen: "subprocess.Popen[str]") -> None:

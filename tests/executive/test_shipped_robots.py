@@ -69,7 +69,7 @@ def test_the_emergency_stop_is_acknowledged_at_rest_and_in_mid_motion(asked: tup
 
 @pytest.mark.timeout(60)
 def test_the_api_says_of_an_emergency_stop_what_the_console_does(tmp_path: Path) -> None:
-    with running(prepare(tmp_path / "h"), profile="uxa90-sim", limit_s=20.0) as robot:
+    with running(prepare(tmp_path / "h"), profile="uxa90-sim") as robot:
         request = urllib.request.Request(f"{robot.web}/estop", method="POST")
         with urllib.request.urlopen(request, timeout=HANG_S) as answer:
             text = json.load(answer)["message"]

@@ -12,7 +12,6 @@ from tests.support.robot import Robot, prepare, running
 from tests.support.waiting import HANG_S
 
 MOVERS = ("motors", "servos", "drive", "joints", "motions")
-START_S = 30.0
 Ask = Callable[[Robot], str]
 
 
@@ -47,7 +46,7 @@ def asked_at_ready(name: str, ask: Ask) -> Iterator[tuple[Robot, str, float]]:
     """Run a robot as it ships and ask it; yield it, why it refused, or nothing, and the milliseconds to the answer."""
     with tempfile.TemporaryDirectory(prefix="lbr-ready-") as place:
         home = prepare(Path(place) / "home", whole=True)
-        with running(home, profile=f"{name}-sim", limit_s=START_S) as robot:
+        with running(home, profile=f"{name}-sim") as robot:
             since = time.monotonic()
             degraded = {one: why for one, why in robot.ready["degraded"].items() if one in MOVERS}
             why = (

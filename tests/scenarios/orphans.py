@@ -16,7 +16,6 @@ from tests.support.bench import Bench, let_go, processes_of
 from tests.support.figures import Results
 from tests.support.robot import prepare, start
 
-READY_S = 20.0
 LEFT_S = 2.0
 STOP_S = 0.5
 HUMANOIDS = ("bioloid-sim", "uxa90-sim")
@@ -33,7 +32,7 @@ def anything_frozen(results: Results, n: int, *, dice: random.Random | None = No
 
 def killed_with_frozen(results: Results, home: Path, profile: str, dice: random.Random) -> None:
     """Run a robot, freeze some of it, kill its executive, and look what is left."""
-    under_test = Bench(start(home, profile=profile, limit_s=READY_S), results, dice=dice)
+    under_test = Bench(start(home, profile=profile), results, dice=dice)
     family: list[psutil.Process] = []
     try:
         mover = under_test.drive() if profile == "lbr-sim" and dice.random() < 0.8 else None

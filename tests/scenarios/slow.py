@@ -20,7 +20,6 @@ from tests.support.robot import Robot, start
 FROZEN, SLOW = 5, 5
 PRESSES = 5
 SETTLE_S = 4.0
-READY_S = 30.0
 LISTEN_S = 8.0
 SIMULATION = "world"
 ROBOTS = ("lbr", "bioloid", "uxa90")
@@ -37,7 +36,7 @@ def at_rest(results: Results, n: int) -> None:
     """B4, each robot as it ships for `n` seconds; what it costs without its simulation too, for a real robot has none."""
     for name in ROBOTS:
         with temporary_home(whole=True) as home:
-            robot = start(home, profile=f"{name}-sim", limit_s=READY_S)
+            robot = start(home, profile=f"{name}-sim")
             try:
                 _at_rest(results, robot, n)
             finally:

@@ -1,8 +1,6 @@
 """A whole robot for tests: `lbr run` in a home of its own, and a plain client on its bus."""
 
-import json
 import os
-import select
 import socket
 import sqlite3
 import subprocess
@@ -14,7 +12,7 @@ from typing import Any
 
 from lbr.testing import robot as robots
 from tests.support import databases, programs
-from tests.support.waiting import HANG_S, until
+from tests.support.waiting import HANG_S
 
 LBR = [sys.executable, "-m", "lbr.start"]
 
@@ -124,25 +122,8 @@ def start(
     home: Path, *arguments: str, profile: str = "lbr-sim", limit_s: float = HANG_S, prefix: tuple[str, ...] = ()
 ) -> Robot:
     """Run a robot, by the program `prefix` if there is one, and wait for its ready line."""
-    with (home / "stderr.txt").open("ab") as errors:
-        popen = programs.start(
-            [*prefix, *LBR, "run", profile, "--no-console", *arguments],
-            env=environment(home),
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=errors,
-            text=True,
-        )
-    try:
-        until(lambda: select.select([popen.stdout], [], [], 0.1)[0], what="its ready line")
-        line = popen.stdout.readline()
-        assert line, f"no ready line: {(home / 'stderr.txt').read_text()[-2000:]}"
-        return Robot(home, popen, json.loads(line))
-    except BaseException:  # also when the time of the test is over
-        popen.kill()
-        popen.wait()
-        popen.stdout.close()
-        raise
+    argv = programs.tied([*prefix, *LBR, "run", profile, "--no-console", *arguments])
+    return Robot(home, *robots.started(argv, home, limit_s))
 
 
 def lbr(home: Path, *arguments: str, stdin: str = "", limit_s: float = HANG_S) -> "subprocess.CompletedProcess[str]":
