@@ -154,9 +154,6 @@ class Foxglove(Capability[FoxgloveSettings]):
         """Listen and serve."""
         settings = self.ctx.settings
         row = f"capability '{self.ctx.robot}/{self.ctx.name}'"
-        self._bus = bus = opened(self.ctx)
-        if bus is None:
-            raise DeviceError(NO_BUS)
         try:
             sockets = listening.listen(settings.host, settings.port)
         except InputError as err:
@@ -164,6 +161,7 @@ class Foxglove(Capability[FoxgloveSettings]):
         self._place = AdvertisedAddress(cast("Any", settings), sockets[0].getsockname()[1])
         self._bridge.open()
         try:
+            self._bus = bus = self._opened()
             robot = Robot(cast("Any", self.ctx), self._bridge, self._sessions, self._counts.tell)
             self.api = Api(robot, bus, "")
             self.pictures = Pictures(bus, lambda name: f"{self.ctx.robot}/{name}")
@@ -323,6 +321,12 @@ class Foxglove(Capability[FoxgloveSettings]):
         self.api.stopped(request.came_s)
         question = self.api.line(STOP, role="view", source=source_of(request.client), timeout_s=LINE_S)
         return Message(message=(await _result(question)).text)
+
+    def _opened(self) -> RobotBus:
+        bus = opened(self.ctx)
+        if bus is None:
+            raise BusError(NO_BUS)
+        return bus
 
     def _urls(self) -> tuple[str, ...]:
         return tuple(one.replace("http", "ws", 1) for one in self._place.urls)

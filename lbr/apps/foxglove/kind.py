@@ -12,7 +12,6 @@ from lbr.messages.joints import Joint
 from lbr.messages.kinematics import Wheel
 from lbr.messages.sensing import RangeSensor
 
-PORT = 8765
 _ORIGIN = re.compile(r"[a-z][a-z0-9+.-]*://[^/?#\s@]*")
 
 
@@ -26,7 +25,7 @@ class FoxgloveSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     trusted: ClassVar[tuple[str, ...]] = ()
 
     host: Annotated[str, Meta(description="where to listen; 0.0.0.0 for every network")] = "127.0.0.1"
-    port: Annotated[int, Meta(ge=0, le=65535, description="0: any free one")] = PORT
+    port: Annotated[int, Meta(ge=0, le=65535, description="0: any free one")] = 8765
     tls: Annotated[bool, Meta(description="wss also where only this machine reaches it")] = False
     clear_text: Annotated[bool, Meta(description="ws to other machines: all in between read and change it")] = False
     cors: Annotated[tuple[str, ...], Meta(description="origins whose pages may connect")] = (
