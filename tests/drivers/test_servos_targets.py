@@ -1,6 +1,5 @@
 """What servos are told and how they are read, step by step, with a line that does what the test says."""
 
-import time
 from concurrent.futures import Future
 from itertools import pairwise
 from pathlib import Path
@@ -9,13 +8,11 @@ from types import SimpleNamespace
 import pytest
 
 from lbr.drivers.dynamixel.bus import Bus
-from lbr.drivers.guard import Guard
 from lbr.drivers.servos.contract import Seen, SlowState, Snapshot
 from lbr.drivers.servos.gate import first, receive, tick
 from lbr.drivers.servos.poller import SINGLY_FIRST_S, SYNC_READ_FAILURES, Poller
 from lbr.drivers.servos.targets import FADE_STEP, REPEAT_S, ServoTargets
 from lbr.messages.servos import ServoGoal, ServoSetpoint
-from tests.support.waiting import until
 
 VALID_S = 0.1
 PLACE = {"error": 0, "position": 512, "speed": 0, "position_rad": 0.0, "load_fraction": 0.0}
@@ -481,17 +478,3 @@ def test_what_never_answers_is_asked_less_and_less():
             poller.turn(bus)
         now[0] += 0.05
     assert bus.asked.count("all") < 0.02 * bus.asked.count("one")
-
-
-def test_a_guard_listens_once_its_program_has_heard_the_driver():
-    def command(program):
-        return lambda pipe, _driver: ["-c", f"import os, time; {program}; time.sleep(30)", str(pipe)]
-
-    hears = Guard(command("import sys; os.read(int(sys.argv[1]), 99)"), (), time.monotonic, 1.0)
-    deaf = Guard(command("pass"), (), time.monotonic, 1.0)
-    try:
-        until(lambda: hears.listens)
-        assert not deaf.listens
-    finally:
-        hears.dismiss()
-        deaf.dismiss()

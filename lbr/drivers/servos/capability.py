@@ -176,15 +176,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         session, self._session = self._session, None
         if session is not None:
             self._left_on = session.turning
-            self.closing(session)
             session.close(release=self.ctx.settings.on_close == "release")
-            self.closed(session)
-
-    def closing(self, session: T) -> None:
-        """Note what is to be known of a session that ends."""
-
-    def closed(self, session: T) -> None:
-        """Note what is to be known of a session that has ended."""
 
     def named(self, servos: Sequence[int], what: str) -> str:
         """Return a few of the servos by joint and number."""

@@ -83,14 +83,14 @@ class Uxa90(Servos[Uxa90Settings, Session]):
         """Refuse the commands that wait for the line."""
         self._commands.refuse(reason)
 
-    def closing(self, session: Session) -> None:
-        """Note that the servos were out of reach, if that ended the session."""
-        if session.failure is not None:
+    def close(self) -> None:
+        """Close, and keep what became of the main board's motion, and whether the servos were out of reach."""
+        session = self._session
+        if session is not None and session.failure is not None:
             self._contact_lost = CONTACT
-
-    def closed(self, session: Session) -> None:
-        """Keep what became of the main board's motion."""
-        self._plays = session.controller.plays
+        super().close()
+        if session is not None:
+            self._plays = session.controller.plays
 
     def check(self, session: Session, now: float) -> None:
         """Look whether any servo answers; raise that none does any more."""

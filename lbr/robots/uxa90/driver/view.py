@@ -6,8 +6,7 @@ from lbr.robots.uxa90.driver.bus import Bus
 from lbr.robots.uxa90.driver.packets import HEAD, level_torque
 from lbr.robots.uxa90.driver.plausibility import Seen
 from lbr.robots.uxa90.driver.poller import Poller
-from lbr.robots.uxa90.driver.target_state import TargetState
-from lbr.robots.uxa90.driver.targets import ServoTargets
+from lbr.robots.uxa90.driver.targets import ServoTargets, TargetState
 
 MEASURED_S = 0.6
 
