@@ -4,7 +4,9 @@ import random
 
 import pytest
 
-from lbr.drivers.inertial import LATE_S, QUIET_S, SLOW_RPS, Quiet, RestingSamples
+from lbr.drivers.inertial import LATE_S, QUIET_HZ, QUIET_S, SLOW_RPS, Quiet, RestingSamples
+from lbr.drivers.mpu9150 import registers
+from lbr.drivers.mpu9150.compass import Compass
 from lbr.messages.imu import ImuSample
 
 GYRO_ZERO = (0.3, -0.2, 0.1)
@@ -113,3 +115,25 @@ def test_readings_with_a_gap_between_them_are_not_one_sample():
     assert resting.take(first, quiet=True) == []
     assert resting.take(later, quiet=True) == [first]
     assert resting.take(reading(later.time_s + 0.04), quiet=True)[0].span_s == pytest.approx(0.04)
+
+
+class CompassBus:
+    """A bus with a compass that has always measured; `asked` counts its measurements."""
+
+    asked = 0
+
+    def write_byte_data(self, _address, _register, value):
+        self.asked += value == registers.SINGLE
+
+    def read_i2c_block_data(self, _address, _register, length):
+        return [1, *bytes(length - 1)]
+
+
+@pytest.mark.parametrize(("rests", "measurements"), [(False, 25), (True, 13)])
+def test_the_compass_of_a_unit_at_rest_measures_at_every_second_reading(rests, measurements):
+    bus = CompassBus()
+    compass = Compass(bus, 25.0, lambda _seconds: None)
+    compass.rest(rests=rests)
+    fields = [compass.poll(tick / QUIET_HZ) for tick in range(25)]
+    assert bus.asked == measurements
+    assert len([field for field in fields if field is not None]) == measurements - 1

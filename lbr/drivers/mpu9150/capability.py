@@ -53,6 +53,7 @@ class Mpu9150(Capability[Mpu9150Settings]):
         for sample in self._resting.take(reading, quiet=quiet):
             self.ctx.publish("sample", sample)
         self.rate_hz = min(full_hz, QUIET_HZ) if quiet else full_hz
+        unit.rest(rests=quiet)
         if unit.compass_trouble != self._compass_trouble:
             self._compass_trouble = unit.compass_trouble
             if self._compass_trouble:

@@ -11,6 +11,8 @@ from lbr.messages.units import Vector
 MODE_CHANGE_S = 0.0005
 OVERDUE_S = 0.1
 EARLY_S = 0.003
+REST_S = 0.08
+"""The period of a unit at rest: every second reading, as one sample has two."""
 
 
 class Compass:
@@ -18,7 +20,7 @@ class Compass:
 
     def __init__(self, bus: Bus, rate_hz: float, sleep: Callable[[float], None]) -> None:
         self._bus = bus
-        self._period_s = 1.0 / rate_hz
+        self._full_s = self._period_s = 1.0 / rate_hz
         self._sleep = sleep
         self._unit: Vector = (0.0, 0.0, 0.0)
         self._asked: float | None = None
@@ -38,6 +40,10 @@ class Compass:
             raise DeviceError(f"{said}; check its wiring, or set mag_hz to 0 to go without")
         self._unit = unit
         self._asked, self._next = None, 0.0
+
+    def rest(self, *, rests: bool) -> None:
+        """Measure seldom, or as often as its row wants."""
+        self._period_s = max(self._full_s, REST_S) if rests else self._full_s
 
     def poll(self, now: float) -> MagneticField | None:
         """Return a new reading if there is one, and ask for the next when it is time."""

@@ -109,6 +109,11 @@ class InertialUnit:
             temperature_c=registers.temperature_c(counts[3], self._settings.temperature_offset_c),
         )
 
+    def rest(self, *, rests: bool) -> None:
+        """Have its compass measure seldom while it lies still."""
+        if self._compass is not None:
+            self._compass.rest(rests=rests)
+
     def close(self) -> None:
         """Close the bus."""
         self._bus.close()
