@@ -12,6 +12,7 @@ import pytest
 from lbr.commands import unitfiles
 from lbr.commands.unitfiles import RELAY_UNIT, UNIT, Extras, Site
 from tests.support import programs, robot
+from tests.support.waiting import until
 
 SITE = Site(program=(str(Path(sys.prefix) / "bin" / "lbr"),), groups=("tty",))
 FILTERED = Path(__file__).with_name("under_filter.py")
@@ -85,7 +86,7 @@ def test_a_whole_robot_runs_drives_and_ends_under_the_filter(tmp_path, calls):
         phases = {unit["name"]: unit["phase"] for unit in started.status()["capabilities"]}
         assert phases == dict.fromkeys(("drive", "motors", "ranges", "world"), "ready")
         ahead = {"power": 0.1, "angle_deg": 0}
-        robot.until(lambda: started.ask("drive/command", ahead)["accepted"], what="the base may be driven")
+        until(lambda: started.ask("drive/command", ahead)["accepted"], what="the base may be driven")
         assert all(unit["restarts"] == 0 for unit in started.status()["capabilities"])
         seccomp = Path(f"/proc/{started.capability('motors')['pid']}/status").read_text()
         assert "Seccomp:\t2" in seccomp

@@ -14,7 +14,7 @@ from lbr.bus import session
 from lbr.errors import BusError, InputError
 from tests.support import programs
 from tests.support import robot as robots
-from tests.support.waiting import HANG_S
+from tests.support.waiting import HANG_S, until
 
 LBR = f"{sys.executable} -m lbr.start"
 
@@ -161,7 +161,7 @@ def test_a_robot_with_nowhere_to_print_runs_and_tells_of_it(tmp_path):
     closed = ["bash", "-c", 'exec "$@" <&- >&-', "bash", *robots.LBR, "run", "--no-console"]
     popen = programs.start(closed, env=robots.environment(home))
     try:
-        robots.until(lambda: "cannot be printed" in robots.lbr(home, "send", "/report/events").stdout)
+        until(lambda: "cannot be printed" in robots.lbr(home, "send", "/report/events").stdout)
     finally:
         popen.terminate()
         assert popen.wait(HANG_S) == 0

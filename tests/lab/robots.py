@@ -25,6 +25,7 @@ from tests.lab.stage import Scene, SceneError, within
 from tests.support import programs, robot
 from tests.support.mover import Mover
 from tests.support.trace import Trace
+from tests.support.waiting import until
 
 USER = "owner"
 MAKE_USER = f"id {USER} 2>/dev/null || useradd --create-home {USER}"
@@ -64,7 +65,7 @@ class Wheels:
         way_m = self._way_m()
         at = time.monotonic_ns()
         with self._moves(0.0):
-            robot.until(lambda: self._way_m() > way_m + AHEAD_M, limit_s=SOON_S, what="a way by its encoders")
+            until(lambda: self._way_m() > way_m + AHEAD_M, limit_s=SOON_S, what="a way by its encoders")
             first = next(one for one in self._seen(at) if not one.zero)
             zero_ms = self._zero_ms(lambda: self.robot.say("stop"))
             self._still()
@@ -78,7 +79,7 @@ class Wheels:
         words = [*robot.LBR, "send", "--hold", "30", DRIVES]
         sender = programs.start(words, env=robot.environment(self.robot.home), stdout=subprocess.DEVNULL)
         try:
-            robot.until(lambda: not self._trace.now().zero, limit_s=START_S, what="motion")
+            until(lambda: not self._trace.now().zero, limit_s=START_S, what="motion")
             zero_ms = self._zero_ms(lambda: sender.send_signal(signal.SIGKILL))
         finally:
             sender.kill()
@@ -103,7 +104,7 @@ class Wheels:
         """Have a sender drive that does not care for answers; the wheels turn."""
         mover = Mover(self.robot, angle_deg, source=f"to {angle_deg:g}").start(SOON_S)
         try:
-            robot.until(lambda: not self._trace.now().zero, limit_s=SOON_S, what="motion")
+            until(lambda: not self._trace.now().zero, limit_s=SOON_S, what="motion")
             yield
         finally:
             mover.cease()
@@ -139,7 +140,7 @@ class Humanoid:
 
     def waves(self) -> str:
         """Switch its joints on, and have it wave: its shoulder is looked at in the world, not in what its servos say."""
-        robot.until(self._stands_by_itself, limit_s=START_S, what="it stands by itself")
+        until(self._stands_by_itself, limit_s=START_S, what="it stands by itself")
         said, seen = self._watched("/play/wave", lambda pose: pose["joints"]["right_shoulder_roll"])
         if max(seen) - min(seen) < MOVED_RAD:
             raise SceneError(f"its shoulder moved by {max(seen) - min(seen):.2f} rad only")
@@ -149,7 +150,7 @@ class Humanoid:
     def stands_up(self) -> str:
         """Have it stand up from where it sits."""
         said, heights = self._watched("/play/reset", lambda pose: pose["z_m"])
-        pose = robot.until(
+        pose = until(
             lambda: (found := _told(self.robot, "world/pose"))["stands"] and found, limit_s=SOON_S, what="it stands"
         )
         return f"{said}; its trunk {heights[0]:.2f} m above the floor before, {pose['z_m']:.2f} m then"
@@ -219,7 +220,7 @@ def _up(found: robot.Robot, began: float) -> str:
         return all(phase == "ready" for phase in seen.values())
 
     with suppress(AssertionError):
-        robot.until(ready, limit_s=START_S)
+        until(ready, limit_s=START_S)
     late = [f"{name} {phase}" for name, phase in seen.items() if phase != "ready"]
     if late:
         raise SceneError(f"not ready: {', '.join(late)}")
@@ -228,7 +229,7 @@ def _up(found: robot.Robot, began: float) -> str:
 
 
 def _told(found: robot.Robot, key: str) -> dict[str, Any]:
-    return dict(robot.until(lambda: found.ask(key), limit_s=SOON_S, what=f"{key} is told"))
+    return dict(until(lambda: found.ask(key), limit_s=SOON_S, what=f"{key} is told"))
 
 
 PIPED = "lines piped into `lbr run`"
