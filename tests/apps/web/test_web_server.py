@@ -1,5 +1,4 @@
 import asyncio
-import itertools
 import select
 import socket
 import ssl
@@ -17,7 +16,6 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 from lbr import home, qr
-from lbr.apps.http import serving as http_serving
 from lbr.apps.http import slots
 from lbr.apps.web import application
 from lbr.apps.web.addresses import url
@@ -352,24 +350,6 @@ def test_whoever_talks_on_a_stream_is_shown_out(served):
         assert ending_of(viewer)[0] == 1008
 
 
-def test_a_viewer_that_answers_no_ping_is_no_fault(face, monkeypatch, capfd):
-    """A viewer that answers no ping is shown out, which is not a fault of the server"""
-    monkeypatch.setattr(http_serving, "PING_S", 0.05)
-    monkeypatch.setattr(http_serving, "PONG_S", 0.05)
-    with serving(face) as served, socket.create_connection(("127.0.0.1", served.port), timeout=8) as frozen:
-        frozen.sendall(
-            b"GET /ws?rate_hz=50 HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-            b"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
-        )
-        for number in itertools.count():
-            served.stage.say("joints", replace(JOINTS, sequence=number))
-            if not frozen.recv(65536):
-                break
-        until(lambda: served.connections == 0)
-        assert not [event for event in served.stage.events if event[0] == "web_fault"]
-    assert "Traceback" not in capfd.readouterr().err
-
-
 def test_a_reader_that_never_reads_costs_nothing_and_stops_nobody(served):
     with socket.create_connection(("127.0.0.1", served.port)) as lazy:
         lazy.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
@@ -473,20 +453,6 @@ def test_it_is_said_aloud_when_others_may_move_the_robot():
     assert any("192.168.0.0/16" in text for text in said)
     assert any("cors" in text for text in said)
     assert any("legacy" in text for text in said)
-
-
-def test_many_ask_at_once_and_all_are_answered(served):
-    statuses: list[int] = []
-
-    def ask() -> None:
-        statuses.extend(served.ask("POST", "/stop").status for _ in range(15))
-
-    threads = [threading.Thread(target=ask) for _ in range(6)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert statuses == [200] * 90
 
 
 def test_many_who_stop_at_once_are_answered_together_and_none_is_refused(served, monkeypatch):
