@@ -6,7 +6,7 @@ from lbr.messages.attitude import AttitudeState, CalibrateCommand, CalibrationPr
 from lbr.messages.calibration import CalibrationValue
 from lbr.messages.drive import DriveCommand, DriveState
 from lbr.messages.imu import ImuSample
-from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.leases import StopCommand
 from lbr.operations.attitude.settings import AttitudeSettings
 
 KIND = Kind(
@@ -16,15 +16,9 @@ KIND = Kind(
     entry="lbr.operations.attitude.capability:Attitude",
     settings=AttitudeSettings,
     inputs={"samples": ImuSample, "drive": DriveState},
+    optional=("drive",),
     outputs={"state": AttitudeState, "calibration": CalibrationProgress},
     commands={"calibrate": CalibrateCommand, "observe": ObserveCommand, "stop": StopCommand},
-    replies={
-        "calibrate": CommandReply,
-        "observe": CommandReply,
-        "stop": CommandReply,
-        "motion": CommandReply,
-        "halt": CommandReply,
-    },
     requests={"motion": DriveCommand, "halt": StopCommand},
     rows=(Rows(CalibrationValue, where={"device": "device"}, learnt=True),),
     words=(
