@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from lbr.drivers.guard import BEAT_S, RESTING_BEAT_S, Guard
+from lbr.drivers.guard import BEAT_S, DEAF_S, RESTING_BEAT_S, STARTS_S, Guard
 from lbr.drivers.servos.guard_release import STEP_S
 from lbr.drivers.wheels import guard_stop
 from tests.support import programs
@@ -71,6 +71,42 @@ def test_a_guard_is_told_often_that_something_may_move_and_seldom_that_nothing_d
     guard.dismiss()
     os.close(pipe)
     assert counts == [pytest.approx(2.0 / RESTING_BEAT_S, abs=1.0), pytest.approx(2.0 / BEAT_S, abs=10.0)]
+
+
+@pytest.fixture
+def starting():
+    """A guard whose program hears its driver once a byte is written; on a clock of the test."""
+    begin, starts = os.pipe()
+    now = [100.0]
+    hears = f"import os, sys; os.read({begin}, 1); os.read(int(sys.argv[1]), 99); os.read({begin}, 1)"
+    guard = Guard(lambda pipe, _driver: ["-c", hears, str(pipe)], (begin,), lambda: now[0], 1.0)
+    os.close(begin)
+    yield guard, now, starts
+    os.close(starts)
+    guard.dismiss()
+
+
+def test_a_guard_that_takes_seconds_to_start_stands_and_listens_once_it_has_heard_its_driver(starting):
+    guard, now, starts = starting
+    while now[0] < 100.0 + STARTS_S - 0.6:
+        now[0] += 0.6
+        guard.beat(turning=False)
+        assert (guard.standing, guard.listens) == (True, False)
+    os.write(starts, b"1")
+    until(lambda: guard.listens)
+    assert guard.standing
+
+
+@pytest.mark.parametrize(("turning", "patience_s"), [(False, STARTS_S), (True, DEAF_S)])
+def test_a_guard_that_does_not_start_or_hangs_stands_no_more_the_sooner_while_something_may_move(
+    starting, turning, patience_s
+):
+    guard, now, _starts = starting
+    guard.beat(turning=turning)
+    for share, stands in ((0.9, True), (1.1, False)):
+        now[0] = 100.0 + share * patience_s + RESTING_BEAT_S * (not turning)
+        guard.beat(turning=turning)
+        assert guard.standing is stands
 
 
 def test_guards_that_are_left_the_line_go_on_and_are_waited_for_by_the_next():

@@ -8,15 +8,12 @@ from tty import setraw
 
 import pytest
 
-from lbr.drivers.guard import Guard
 from lbr.drivers.roboteq import KIND
 from lbr.drivers.roboteq.capability import Roboteq
 from lbr.drivers.roboteq.protocol import ACKNOWLEDGED, STOP
 from lbr.drivers.serial_line import open_line
-from lbr.drivers.wheels.capability import GUARD_STARTS
 from lbr.drivers.wheels.guard import PROGRAM
 from lbr.errors import DeviceError
-from lbr.messages.motors import MotorSetpoint
 from tests.drivers.peers import DriverContext
 from tests.support import programs
 from tests.support.waiting import STOPS_S, until
@@ -149,79 +146,6 @@ def test_a_guard_that_is_dismissed_writes_nothing():
         os.close(fd)
 
 
-def test_a_guard_that_hangs_is_noticed_and_replaced(peer):
-    ctx = DriverContext(KIND, KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
-    clock = Clock()
-    ctx.clock = clock
-    motors = Roboteq(ctx)
-    motors.open()
-    working, motors._guard = motors._guard, Guard(lambda *_: ["-c", "import time; time.sleep(60)"], (), clock, 1.0)
-    working.dismiss()
-    for _ in range(5):
-        clock.ahead_s += 0.2
-        motors._guard.beat(turning=True)
-    assert not motors._guard.standing
-    with pytest.raises(DeviceError, match="hangs; reopening"):
-        motors.step()
-    motors.close()
-    motors.open()
-    assert motors._guard.standing
-    motors.close()
-
-
-@pytest.fixture
-def starting(peer):
-    """A driver whose guard's program starts when a byte is written; its context and clock."""
-    ctx = DriverContext(KIND, KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
-    clock = Clock()
-    ctx.clock = clock
-    motors = Roboteq(ctx)
-    motors.open()
-    motors._guard.dismiss()
-    begin, starts = os.pipe()
-    hears = f"import os; os.read({begin}, 1); os.read(int(__import__('sys').argv[1]), 99); os.read({begin}, 1)"
-    motors._guard = Guard(lambda pipe, _driver: ["-c", hears, str(pipe)], (begin,), clock, 1.0)
-    os.close(begin)
-    yield motors, ctx, clock, starts
-    os.close(starts)
-    motors.close()
-
-
-def test_a_guard_that_takes_seconds_to_start_is_waited_for_and_nothing_moves_before(starting, peer):
-    motors, ctx, clock, starts = starting
-    for _ in range(8):
-        clock.ahead_s += 1.0
-        for power in (0.0, 0.5):
-            ctx.give(MotorSetpoint(left=power, right=power))
-            motors.step()
-    assert peer.motor == (0, 0)
-    assert ctx.state.reason == GUARD_STARTS
-    os.write(starts, b"1")
-    until(lambda: motors._guard.listens)
-    assert ctx.health == [GUARD_STARTS]
-    motors.step()
-    assert ctx.health[-1] == "ready"
-
-    def goes():
-        power = 0.5 * ctx.state.armed
-        ctx.give(MotorSetpoint(left=power, right=power))
-        motors.step()
-        return peer.motor == (500, 500)
-
-    until(goes)
-
-
-def test_a_guard_that_does_not_start_at_all_is_replaced(starting):
-    motors, _ctx, clock, _starts = starting
-    for _ in range(33):
-        clock.ahead_s += 0.6
-        motors.step()
-    clock.ahead_s += 1.0
-    motors._beat()
-    with pytest.raises(DeviceError, match="hangs; reopening"):
-        motors.step()
-
-
 def test_a_frozen_guard_goes_on_with_the_next_beat_and_that_is_told(peer):
     ctx = DriverContext(KIND, KIND.parse('{"device": "motors"}'), peer.path, "roboteq")
     motors = Roboteq(ctx)
@@ -244,13 +168,6 @@ def test_a_frozen_guard_writes_zero_when_its_driver_is_killed(driver, peer):
     process.kill()
     until(lambda: peer.motor == (0, 0), limit_s=STOPS_S)
     until(lambda: gone(guard))
-
-
-class Clock:
-    ahead_s = 0.0
-
-    def __call__(self) -> float:
-        return time.monotonic() + self.ahead_s
 
 
 def test_without_its_guard_the_driver_stops_and_opens_anew(peer):
