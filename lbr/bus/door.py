@@ -41,7 +41,7 @@ class LanConfig(Struct, frozen=True, kw_only=True):
     """The private document of kind `lan`: what only the door to other machines needs to know.
 
     `link` is how its router proves itself to the one it hangs on, whose id is `upstream`; `inside` is where its relay
-    comes in. `streams` may be read by all, `heard` are they and the setpoints, `stops` be used by all, and `commands`
+    comes in. `streams` may be read by all, `subscribed` are they and the setpoints, `stops` be used by all, and `commands`
     maps every other command to the role it needs. `private_key` and `certificate` are files. `guests` are processes on
     other machines; what they take themselves, by role, is in `theirs` and not in `commands`.
     """
@@ -56,6 +56,6 @@ class LanConfig(Struct, frozen=True, kw_only=True):
     certificate: str
     guests: tuple[LanGuest, ...] = ()
     theirs: dict[str, Role] = {}
-    heard: tuple[str, ...] = ()
+    subscribed: tuple[str, ...] = ()
     upstream: str = ""
     inside: str = ""

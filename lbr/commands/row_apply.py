@@ -39,7 +39,7 @@ def plan(source: Path, robot: str | None, database: Path | None, as_json: bool) 
     with opened(database) as rows:
         touching = Touching(rows)
         proposed = change_rows(rows, _wanted(source, rows, robot), f"applied {source.name}", touching, dry_run=True)
-        return tell(proposed, "", dry_run=True, as_json=as_json, touched=touching.told(), place=_place(source, rows))
+        return tell(proposed, "", dry_run=True, as_json=as_json, touched=touching.effects(), place=_place(source, rows))
 
 
 @click.command("apply")
@@ -133,7 +133,7 @@ def _apply(
             f"the rows are as {source} says",
             dry_run=dry_run,
             as_json=as_json,
-            touched=touching.told(),
+            touched=touching.effects(),
             place=_place(source, rows),
             trial=trial,
         )

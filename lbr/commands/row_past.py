@@ -229,7 +229,7 @@ def local_time(seconds: float) -> str:
 
 def _is_asked(revision: RevisionRow, robot: str | None, table: str | None, row: str | None) -> bool:
     """Return whether a revision is of a robot, of a table and of a row; None is any."""
-    values = revision.new or revision.old or {}
+    values = revision.after or revision.before or {}
     mine = robot is None or values.get("name" if revision.table == "robot" else "robot") == robot
     keys = {"/".join(revision.row_key), "/".join(revision.row_key[1:])}
     return mine and table in {None, revision.table} and (row is None or row in keys)

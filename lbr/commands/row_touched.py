@@ -81,7 +81,7 @@ class Touching:
             raise InputError(f"these rows are {which}; or leave --within out", "not_possible")
         return affected[0]
 
-    def told(self) -> tuple[Touched, ...]:
+    def effects(self) -> tuple[Touched, ...]:
         """Return the effects on the processes of every robot whose rows change."""
         touched = []
         for name, rows in self._before.items():

@@ -55,8 +55,8 @@ def revisions(connection: Connection, since: int) -> tuple[RevisionRow, ...]:
             table=row["table_name"],
             row_key=_key(row["row_key"]),
             operation=row["operation"],
-            old=_row(row["old_row"]),
-            new=_row(row["new_row"]),
+            before=_row(row["old_row"]),
+            after=_row(row["new_row"]),
             changed_at=row["changed_at"],
         )
         for row in selected(connection, "revision", "id > ? ORDER BY id", since)
@@ -67,7 +67,7 @@ def touched(connection: Connection, since: int) -> tuple[RevisionRow, ...]:
     """Return which rows were changed after revision `since`, oldest first, without what stood in them."""
     statement = "SELECT id, table_name, row_key, operation, changed_at FROM revision WHERE id > ? ORDER BY id"
     return tuple(
-        RevisionRow(id=id_, table=table, row_key=_key(key), operation=operation, old=None, new=None, changed_at=at)
+        RevisionRow(id=id_, table=table, row_key=_key(key), operation=operation, before=None, after=None, changed_at=at)
         for id_, table, key, operation, at in connection.execute(statement, (since,))
     )
 

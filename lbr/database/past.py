@@ -77,10 +77,10 @@ def around(tables: RawTables, schema: Schema, newer: Sequence[RevisionRow], last
 def of_revision(revision: RevisionRow) -> Difference:
     """Return one revision as people read it; a row that got another name was changed."""
     row = "/".join(map(short, revision.row_key))
-    if revision.old is None or revision.new is None:
+    if revision.before is None or revision.after is None:
         what = {"insert": "added", "delete": "removed"}.get(revision.operation, "changed")
         return Difference(table=revision.table, row=row, change=what)  # type: ignore[arg-type]  # of the three
-    columns = changed_columns(revision.table, revision.old, revision.new)
+    columns = changed_columns(revision.table, revision.before, revision.after)
     return Difference(table=revision.table, row=row, change="changed", columns=columns)
 
 
@@ -106,7 +106,7 @@ def entries(revisions: Iterable[RevisionRow], known: Iterable[ChangeRow]) -> tup
 
 def _undo(rows: dict[Key, RawRow], schema: Schema, revision: RevisionRow) -> None:
     """Take one revision back, the newest that has not been taken back yet."""
-    before, after, table = revision.old, revision.new, revision.table
+    before, after, table = revision.before, revision.after, revision.table
     if before is None and after is None:
         raise _lost(revision, "the whole database was replaced by a copy then (`lbr db restore`)")
     key_of = schema.keys_of[table]

@@ -284,8 +284,8 @@ class RevisionRow(Struct, frozen=True, kw_only=True):
     table: str
     row_key: tuple[str, ...]
     operation: Literal["insert", "update", "delete"]
-    old: dict[str, Any] | None
-    new: dict[str, Any] | None
+    before: dict[str, Any] | None
+    after: dict[str, Any] | None
     changed_at: str
 
 

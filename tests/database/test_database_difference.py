@@ -36,5 +36,5 @@ def test_revisions_since_a_number_tell_how_it_came_about(database, client):
     client.execute("UPDATE robot SET owner = 'b' WHERE name = 'lbr'")
     (second,) = database.revisions(since=1)
     assert (second.id, second.table, second.row_key, second.operation) == (2, "robot", ("lbr",), "update")
-    assert (second.old["owner"], second.new["owner"]) == ("a", "b")
+    assert (second.before["owner"], second.after["owner"]) == ("a", "b")
     assert second.changed_at.endswith("Z")

@@ -255,7 +255,9 @@ def test_a_row_that_refers_to_none_is_refused_whole(database, client):
 
 
 def revision(number: int, at: str) -> RevisionRow:
-    return RevisionRow(id=number, table="phrase", row_key=("a",), operation="insert", old=None, new={}, changed_at=at)
+    return RevisionRow(
+        id=number, table="phrase", row_key=("a",), operation="insert", before=None, after={}, changed_at=at
+    )
 
 
 def test_revisions_are_told_by_who_made_them_and_else_by_their_moments():

@@ -354,10 +354,10 @@ def test_every_change_of_a_row_is_a_revision(client, database, table):
     update, delete = mine[0], next(r for r in mine if r.operation == "delete" and r.row_key == tuple(map(str, key)))
     column, _, value = CHANGES[table].partition(" = ")
     assert (update.operation, update.row_key) == ("update", tuple(map(str, key)))
-    assert update.old[column] != update.new[column]
-    assert str(update.new[column]) == value.strip("'")
-    assert delete.old == update.new
-    assert set(delete.old) == set(SCHEMA[table]) - RUN_COLUMNS.get(table, set())
+    assert update.before[column] != update.after[column]
+    assert str(update.after[column]) == value.strip("'")
+    assert delete.before == update.after
+    assert set(delete.before) == set(SCHEMA[table]) - RUN_COLUMNS.get(table, set())
 
 
 RUN_COLUMNS = {"robot": {"last_start", "last_shutdown", "estop_engaged", "estop_reason"}}
@@ -367,8 +367,8 @@ def test_a_new_row_is_a_revision_with_its_defaults(client, database):
     insert(client, "capability", {"name": "c", "kind": "k"})
     (revision,) = database.revisions()
     assert (revision.table, revision.row_key, revision.operation) == ("capability", ("lbr", "c"), "insert")
-    assert revision.old is None
-    assert json.loads(revision.new["settings"]) == {}
+    assert revision.before is None
+    assert json.loads(revision.after["settings"]) == {}
 
 
 def test_deleting_a_robot_keeps_every_row_it_had(client, database):

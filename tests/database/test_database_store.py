@@ -295,7 +295,7 @@ def test_a_row_of_megabytes_is_not_read_and_nothing_is_lost_once_it_is_gone(data
     assert (after.verbs, after.problems) == (before.verbs, before.problems)
     touched = database.touched(before.revision)
     assert {one.table for one in touched} >= {spoilt}
-    assert all(one.old is None and one.new is None for one in touched), "what stood there is not read to name it"
+    assert all(one.before is None and one.after is None for one in touched), "what stood there is not read to name it"
     assert [one.row_key for one in touched] == [one.row_key for one in database.revisions(before.revision)]
     with pytest.raises(RowError, match="a row in 'revision' of more than 4 MB"):
         database.tables_at(before.revision)

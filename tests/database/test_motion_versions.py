@@ -107,6 +107,6 @@ def test_a_revision_that_cannot_be_read_ends_what_is_known_and_nothing_else(data
     story = Story(database)
     story.save(bow(-0.1), create=True)
     story.save(bow(-0.2))
-    bad = replace(story.changes[-1], old={"positions": 7, "step": "x"}, changed_at="not a time")
+    bad = replace(story.changes[-1], before={"positions": 7, "step": "x"}, changed_at="not a time")
     told = versions(story.now(), [*story.changes[:-1], bad], ROBOT, "bow")
     assert told[0].motion == bow(-0.2)

@@ -9,7 +9,13 @@ from lbr.executive.planning.watch import edited
 
 def row(table, *key, operation="update", number=1):
     return RevisionRow(
-        id=number, table=table, row_key=key, operation=operation, old=None, new=None, changed_at="2026-01-01T00:00:00Z"
+        id=number,
+        table=table,
+        row_key=key,
+        operation=operation,
+        before=None,
+        after=None,
+        changed_at="2026-01-01T00:00:00Z",
     )
 
 

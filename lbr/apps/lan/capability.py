@@ -147,7 +147,7 @@ class Lan(Capability[LanSettings]):
         """While clients are connected, subscribe to each stream of the robot's rows: of a client's other subscriptions,
         such as a wildcard, only the door hears, so that no number of declarations holds up the robot's own router."""
         if self._clients and not self._streams:
-            self._streams = [wire.PolledSubscription(self._router, key) for key in self._lan.heard]
+            self._streams = [wire.PolledSubscription(self._router, key) for key in self._lan.subscribed]
         while self._streams and not self._clients:
             self._streams.pop().close()
 

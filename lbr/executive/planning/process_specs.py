@@ -154,7 +154,7 @@ def with_lan(
         link=site.credentials(f"@{unit.name}"),
         users=_users(rows, site, "bus"),
         streams=streams_of(robot, peers),
-        heard=tuple(sorted({key for _unit, key in _put(peers)})),
+        subscribed=tuple(sorted({key for _unit, key in _put(peers)})),
         stops=tuple(key for key, role in (local_commands | remote_commands).items() if role == "view"),
         commands={key: role for key, role in local_commands.items() if role != "view"},
         guests=tuple(

@@ -131,7 +131,7 @@ def _of_lan(plan: Plan, unit: ProcessSpec) -> Rights:
             *sorted(asked),
         ),
         serve=_all(rights.serve for rights in guests),
-        hear=(*lan.heard, *_all(rights.hear for rights in guests), keys.estop(robot), *keys.looked_at(robot)),
+        hear=(*lan.subscribed, *_all(rights.hear for rights in guests), keys.estop(robot), *keys.looked_at(robot)),
         alive=(*_all(rights.alive for rights in guests), *agents),
         watch=(keys.alive(robot, "*"),),
     )

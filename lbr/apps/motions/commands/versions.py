@@ -69,8 +69,8 @@ def _apart_s(revision: RevisionRow, next_: RevisionRow) -> float:
 def _undo(values: Values, revision: RevisionRow) -> None:
     key = revision.row_key[1:]
     values.pop((revision.table, *key), None)
-    if revision.old is not None:
-        values[(revision.table, *key)] = revision.old
+    if revision.before is not None:
+        values[(revision.table, *key)] = revision.before
 
 
 def _motion(values: Mapping[tuple[str, ...], dict[str, object]], name: str) -> Motion | None:
