@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr import cli, home
+from lbr.apps.http import listening
 from lbr.apps.web.commands import checks as web_checks
 from lbr.bus import keys, session, wire
 from lbr.commands import checks
@@ -58,7 +59,7 @@ def test_an_address_that_cannot_be_listened_at_is_a_finding(settings, said, monk
 def test_whatever_stands_in_the_row_something_is_said_of_it(settings):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(home, "running", tuple)
-        patch.setattr(web_checks, "_taken", lambda _host, _port: None)
+        patch.setattr(listening, "listen", lambda _host, _port: [])
         assert len(looked_at(json.dumps(settings))) == 1
 
 
