@@ -55,7 +55,9 @@ def command(
 
         touching = Touching(rows)
         proposed = change_rows(rows, wanted, f"set {part}.{name}", touching, expected, dry_run=dry_run)
-    return tell(proposed, f"{part}.{name} is {short(value)}", dry_run=dry_run, as_json=as_json, touched=touching.effects())
+    return tell(
+        proposed, f"{part}.{name} is {short(value)}", dry_run=dry_run, as_json=as_json, touched=touching.effects()
+    )
 
 
 def parted(setting: str) -> tuple[str, str]:
