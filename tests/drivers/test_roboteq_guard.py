@@ -205,6 +205,7 @@ def test_the_guard_writes_zero_when_the_closing_driver_was_not_answered(peer):
 
     peer.answer = lambda line: b"" if line == "!M 0 0" and next(unheard, None) is not None else None
     guard = motors._guard
+    until(lambda: guard.listens)
     motors.close()
     assert peer.motor == (0, 0)
     assert not guard.standing
