@@ -57,7 +57,13 @@ class Part(Struct, frozen=True):
 PARTS = {
     "leases": Part(
         ("lbr/leases/*.py", "lbr/operations/lender.py"),
-        ("tests/leases", "tests/operations/drive", "tests/models"),
+        (
+            "tests/leases",
+            "tests/operations/drive",
+            "tests/operations/joints/test_joints_capability.py",
+            "tests/models",
+            "tests/bus/test_wire.py",
+        ),
         stops=True,
     ),
     "drive": Part(("lbr/operations/drive/*.py",), ("tests/operations/drive", "tests/models"), stops=True),

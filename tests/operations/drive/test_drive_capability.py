@@ -215,6 +215,19 @@ def test_the_death_of_the_motor_driver_ends_the_motion(robot):
     assert ("fault", "console: the motor driver (motors) is gone") in robot.ctx.events
 
 
+def test_of_several_motor_drivers_the_death_of_the_last_ends_the_motion(robot):
+    robot.ctx.wired["motors"] = ("left_motors", "right_motors")
+    call = robot.send(robot.ctx.command(0.5))
+    robot.run(0.2, renewing(robot, call))
+    robot.ctx.gone.add("left_motors")
+    robot.run(0.1, renewing(robot, call))
+    assert robot.wheels != (0.0, 0.0)
+    robot.ctx.gone.add("right_motors")
+    robot.drive.step()
+    assert robot.wheels == (0.0, 0.0)
+    assert ("fault", "console: the motor driver (left_motors, right_motors) is gone") in robot.ctx.events
+
+
 def test_the_death_of_a_capability_that_drives_ends_its_motion(robot):
     call = robot.send(robot.ctx.command(0.5))
     robot.run(0.1, renewing(robot, call))

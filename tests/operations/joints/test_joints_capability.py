@@ -5,11 +5,12 @@ from math import radians
 import msgspec
 import pytest
 
+from lbr.capability.stage import Stage, alone
 from lbr.messages.joints import TorqueCommand
 from lbr.messages.leases import CommandReply
 from lbr.operations.joints import KIND
 from lbr.operations.joints.capability import Joints
-from tests.operations.joints.joints_bench import BODY, NAMES
+from tests.operations.joints.joints_bench import BODY, NAMES, ROWS
 from tests.operations.joints.joints_context import JointsContext, Robot
 
 
@@ -193,6 +194,15 @@ def test_a_holder_whose_process_dies_is_lost(robot):
     robot.run(0.01)
     assert robot.setpoint.lost
     assert robot.ctx.said("result")[-1].reason == "the process of motions is gone"
+
+
+def test_that_torque_is_not_switched_is_told_to_people_too_not_to_its_sender_alone():
+    stage = Stage()
+    stage.add(alone(KIND, rows=ROWS, name="joints"))
+    reply = stage.answer("joints", "torque", TorqueCommand(on=True), "console")
+    stage.round()
+    assert not reply.accepted
+    assert reply.code in {one.code for one in stage.told if one.kind == "refused"}
 
 
 def test_recovering_is_asked_of_the_driver_and_answered_when_it_has(robot):
