@@ -67,14 +67,14 @@ def renew(robot: Robot, hold: dict) -> dict:
 
 
 def why_it_stands(robot: Robot, hold: dict, line: str) -> str:
-    """Renew a hold, and return why the base stands; where a busy machine let the hold lapse, the line begins another."""
+    """Renew a hold, and return why the base stands; where a busy machine ended the motion, the line begins another."""
     renew(robot, hold)
-    reason = state(robot)["reason"]
-    if "lapsed" not in reason:
-        return reason
+    drive = state(robot)
+    if drive["holder"] is not None:
+        return drive["reason"]
     reply = robot.line(line)
     hold.update(reply.get("hold") or {})
-    return reply["text"]
+    return f"{drive['reason']}; {reply['text']}"
 
 
 @pytest.fixture(scope="module")
