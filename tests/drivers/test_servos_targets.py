@@ -378,6 +378,17 @@ def test_reading_all_at_once_is_tried_again_after_a_busy_time():
     assert poller.snapshot.together
 
 
+def test_lost_answers_with_good_ones_between_do_not_end_reading_all_at_once():
+    bus, now = Deaf(), [0.0]
+    poller = Poller([1, 2], lambda: now[0])
+    for busy in (False, False, *(True, False) * (SYNC_READ_FAILURES + 1)):
+        bus.busy, swept = busy, poller.snapshot.sweep
+        while poller.snapshot.sweep == swept:
+            poller.turn(bus)
+        now[0] += 0.01
+    assert poller.snapshot.together
+
+
 def test_a_sweep_begins_right_after_goals_were_written_and_the_next_waits_a_little_longer_for_them():
     bus, now = Deaf(), [0.0]
     bus.busy = False
