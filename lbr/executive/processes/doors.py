@@ -73,14 +73,12 @@ class OpenRouter:
     def __init__(self, router: session.Router, robot: str) -> None:
         self.router = router
         self._session = session.open_router(router)
-        self._robot = robot
         self._answer = crossing.answer(self._session, robot)
-        self._status: Any = None
+        self._status: Any = self._session.declare_querier(keys.status(robot))
 
     @property
     def passes(self) -> bool:
         """Return whether it has a route to the status. Routers exchange new routes within 0.1 s."""
-        self._status = self._status or self._session.declare_querier(keys.status(self._robot))
         return bool(self._status.matching_status.matching)
 
     def crossing(self, far: str, robot: str, wake: Callable[[], None]) -> Crossing:
