@@ -1,8 +1,8 @@
 """Behaviours: state tables that anyone can write, run as the robot's muscle memory.
 
-`files` reads and writes them, `cells` understands a condition, `keys` a column, `outputs` an order, `table` checks all
-of it, `kernel` runs it; none of these knows bus or clock. `capability` moves the robot as they say, by leases as anyone
-does.
+`files` reads and writes tables, `cells` parses a condition, `keys` a column and `outputs` an order. `table` checks a
+whole table, and `kernel` runs it. None of these knows bus or clock. `capability` moves the robot under leases, as any
+other client does.
 """
 
 from lbr.component import CliCommand, Component

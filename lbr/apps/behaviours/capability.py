@@ -1,4 +1,4 @@
-"""Behaviours as a capability: reads the tables, runs one, moves the robot as it says, and tells where it is and why."""
+"""Behaviours as a capability: runs one state table at a time, moves the robot under leases, and reports the run."""
 
 import random
 from collections import deque
@@ -39,24 +39,27 @@ from lbr.messages.speech import SayCommand
 STATE_EVERY_S, RESTING_EVERY_S = 0.25, 1.0
 ASIDE_S = 5.0
 NOT_DONE = {"say": ("behaviour_silent", "says nothing"), "watch": ("behaviour_blind", "looks for nothing")}
-"""The event that tells of what was not done, and in which words."""
+"""For each side request: the event of its failure, and the event's verb."""
 BATTERY_S, DRIVE_S = 3.0, 1.0
-"""Older values are not known: three periods of the battery, ten of the drive."""
+"""The age at which a state no longer counts: three periods of the battery, ten of the drive."""
 RUNNING_HZ, IDLE_HZ = 20.0, 5.0
 HELD_UP_S = 3.0
-"""After so long without a step, frozen or with the computer asleep, a table does not go on by itself."""
+"""A run ends after so long without a step, whether this process was frozen or the computer asleep."""
 MOST_ASIDE = 8
 MOST_FILES = 8
-"""Requests of pages that wait for a table's check; the robot checks one a round, so that they cannot keep it busy."""
+"""The requests of pages that may wait for a table's check.
+
+The robot checks one table a round, so pages cannot overload it.
+"""
 RESTING = BehaviourState(phase="resting")
 WATCHED = frozenset({"drive", "joints"})
-"""The streams that report stops by others: also while nothing of a table moves, a stop is the end of it."""
+"""The streams that report stops by others. Such a stop ends the run, even while it moves nothing."""
 
 
 class Behaviours(Capability[BehaviourSettings]):
-    """Runs one table at a time. Every unwanted end of its motion ends the run, and so does every stop.
+    """Runs one table at a time. Every stop ends the run, and so does every failure of its motion.
 
-    `dice` are what a table's random choices are drawn from; who wants the same run again seeds them.
+    `dice` draws a table's random choices. Seed it to repeat a run.
     """
 
     rate_hz = IDLE_HZ
@@ -88,7 +91,7 @@ class Behaviours(Capability[BehaviourSettings]):
         self._library.compile()
 
     def step(self) -> None:
-        """Go on with the run, unless it was held up for long: then what it was begun for is over."""
+        """Advance the run; end it after a long gap between steps."""
         now = self.ctx.clock()
         held_up_s, self._stepped_at = now - self._stepped_at, now
         if held_up_s > HELD_UP_S:
@@ -108,7 +111,7 @@ class Behaviours(Capability[BehaviourSettings]):
         self._publish()
 
     def command(self, call: Call) -> None:
-        """Answer the words; of what pages ask of written tables one in a round, what else they ask waits."""
+        """Answer a command. The files of pages are checked one a round; further ones wait."""
         if isinstance(call.message, CheckBehaviour | ReadBehaviour):
             if self._looked and len(self._files) >= MOST_FILES:
                 call.refuse("too many tables are looked at at once; ask again", "busy")
@@ -162,7 +165,7 @@ class Behaviours(Capability[BehaviourSettings]):
                 self._answer_of_files(call)
 
     def _answer_of_files(self, call: Call) -> None:
-        """Answer what pages ask of tables that are written."""
+        """Answer the requests of pages about tables as files."""
         match call.message:
             case CheckBehaviour(name=name, rows=rows):
                 call.reply(BehaviourChecked(accepted=True, faults=self._library.faults(name, rows)))
@@ -174,7 +177,7 @@ class Behaviours(Capability[BehaviourSettings]):
                 super().command(call)
 
     def _look_after_the_battery(self, table: str) -> None:
-        """Begin a table once the battery is low, unless the robot is stopped, driven, or runs another."""
+        """Begin a table once the battery is low, unless the robot is stopped, is driven, or runs another table."""
         self._senses.listen(frozenset({"battery", *WATCHED}))
         now = self.ctx.clock()
         battery = [one.message for one in self._senses.newest("battery") if now - one.arrived <= BATTERY_S]
@@ -189,7 +192,7 @@ class Behaviours(Capability[BehaviourSettings]):
                 self.ctx.event("behaviour_refused", f"the battery is low: {err}", level="warning", code=err.code)
 
     def _moved_by_others(self, now: float) -> bool:
-        """Return whether anyone holds what moves, or has just stopped it; what is not heard of may be held."""
+        """Return whether another client holds the drive or joints, or just stopped them; True if no state is known."""
         states = [state for stream in WATCHED for state in self._senses.newest(stream)]
         if not states:
             return True
@@ -225,8 +228,7 @@ class Behaviours(Capability[BehaviourSettings]):
         return text
 
     def _refuse_late(self, call: Call) -> None:
-        """Refuse to move by what was said before a stop, or was typed or written before another's, however late it
-        comes."""
+        """Refuse a command older than the last stop of this table, or delayed and older than another's stop."""
         if not call.arrived > self._stopped_s:
             raise InputError("a stop came after this command", "stopped")
         if call.waited_s == 0.0:
@@ -239,7 +241,7 @@ class Behaviours(Capability[BehaviourSettings]):
             if at is not None and by not in {"", asker, self.ctx.name}:
                 halts.append((_on_our_clock(received, at), by))
         at, by = max(halts)
-        if not call.arrived - call.waited_s > at:  # this way round, NaN waited too long
+        if not call.arrived - call.waited_s > at:  # this way round, NaN refuses
             raise InputError(f"{STOPPED_SINCE}{f'by {by}' if by else 'behaviours started over'}", "stopped_since")
 
     def _go_on(self, run: Run) -> None:
@@ -256,7 +258,7 @@ class Behaviours(Capability[BehaviourSettings]):
             self._end(run)
 
     def _report(self, run: Run, now: float) -> None:
-        """Report the end of its motion to the run; a drive without an end counts as done once it has begun."""
+        """Report the end of a motion to the run; a drive without an end is done once it has begun."""
         good, why = self._holder.good, self._holder.ended
         begun = self._holder.holds and not bounded(self._holder.motion)
         if run.paused or not (begun or why):
@@ -270,7 +272,7 @@ class Behaviours(Capability[BehaviourSettings]):
             run.lost(outcome)
 
     def _do(self, run: Run, now: float) -> None:
-        """Carry out what the run orders now."""
+        """Carry out the run's order."""
         if run.paused or run.over is not None:
             self._holder.release("the table is paused" if run.paused else "the table is over")
             return
@@ -289,15 +291,14 @@ class Behaviours(Capability[BehaviourSettings]):
         self._ticket = run.ticket
 
     def _ask_aside(self, run: Run, order: Aside, now: float) -> None:
-        """Have it said or looked for, if there is a voice or an eye; a table neither waits for it nor fails without
-        it."""
+        """Send a side request, if this robot has an answerer. A table neither waits for it nor fails without it."""
         way = "say" if isinstance(order, SayCommand) else "watch"
         if self.ctx.targets(way):
             self._aside = [*self._aside, (way, self.ctx.ask(way, order, ASIDE_S))][-MOST_ASIDE:]
         run.ended(DONE, now)
 
     def _read_asides(self) -> None:
-        """Tell of what was not said, or is not looked for."""
+        """Report the side requests that failed."""
         for way, asked in [one for one in self._aside if one[1].answers() is not None]:
             self._aside.remove((way, asked))
             for name, reply in (asked.answers() or {}).items():
@@ -307,11 +308,11 @@ class Behaviours(Capability[BehaviourSettings]):
                     self.ctx.event(kind, f"'{name}' {does}: {why}", level="warning")
 
     def _stopped_by_others(self) -> Reason | None:
-        """Return the sender that stopped the robot since the run began, also while nothing of it moved.
+        """Return why another sender stopped the robot since the run began, or None.
 
-        Of all that came, not of the newest alone: a halt of the table's own comes right behind another's stop.
+        All messages count, not the newest alone: the table's own halt may come right behind another's stop.
         """
-        moved = (*self.ctx.targets("seek"), *self.ctx.targets("play"))  # what it has moved stops for it, too
+        moved = (*self.ctx.targets("seek"), *self.ctx.targets("play"))  # these report its own stop, too
         own = {"", self.ctx.name, *moved}
         for received in (one for stream in WATCHED for one in self._senses.arrived(stream)):
             state = received.message
@@ -339,7 +340,7 @@ class Behaviours(Capability[BehaviourSettings]):
         return f"{run.table} goes on from '{run.state}'" + (" up to the next state" if order == "step" else "")
 
     def woke(self, slept_s: float) -> None:
-        """End the run: what it was begun for is over."""
+        """End the run: its purpose lies before the sleep."""
         self._held_up(slept_s)
 
     def _held_up(self, seconds: float) -> None:
@@ -351,7 +352,7 @@ class Behaviours(Capability[BehaviourSettings]):
             self._end(self._run)
 
     def _end(self, run: Run) -> None:
-        """Stand still, and say how it ended."""
+        """Stand still, and report the end of the run."""
         self._holder.release("the behaviour is over")
         self._last = self._state(over=True)
         self._run = None
@@ -362,7 +363,7 @@ class Behaviours(Capability[BehaviourSettings]):
         self.ctx.event("behaviour_ended", ended, level=level, code=why.code)
 
     def _follow(self, message: RowsChanged) -> None:
-        """Take other rows over: what runs goes by them from its next state on."""
+        """Apply an edit of the rows; the table that runs goes by it from its next state on."""
         before = {**self._library.good(), **(self._run.tables if self._run is not None else {})}
         self._library.follow(message)
         if self._run is None:
@@ -409,7 +410,7 @@ class Behaviours(Capability[BehaviourSettings]):
         )
 
     def _publish(self) -> None:
-        """Publish where it is: at once when that changes, else at a steady rate."""
+        """Publish the state of the run: at once after a change, else at a steady rate."""
         now, run = self.ctx.clock(), self._run
         before = self._published
         same = (run is None and before is self._last) or (
@@ -425,6 +426,6 @@ class Behaviours(Capability[BehaviourSettings]):
 
 
 def _on_our_clock(received: Received, at_s: float) -> float:
-    """Return a time that a message tells by its sender's clock, which may be another machine's."""
+    """Convert a time of the sender's clock, which may be another machine's, to this machine's clock."""
     stamp = received.stamp
     return at_s if stamp is None else received.arrived - (stamp.mono_ns / 1e9 - at_s)

@@ -1,7 +1,7 @@
-"""The language of condition cells: from text to what values fit, how long, how new. Pure.
+"""The language of condition cells: parses a text into the values that fit, for how long, and how new. Pure.
 
-A cell becomes intervals of numbers and a set of texts. That one form tells whether a value fits, by how much it does
-not, and whether anything ever could.
+A cell becomes intervals of numbers and a set of texts. From these follow whether a value fits, by how much it misses,
+and whether any value could fit.
 """
 
 import re
@@ -29,7 +29,7 @@ _TRUE, _FALSE = frozenset({"true", "yes", "on"}), frozenset({"false", "no", "off
 
 
 class CellError(ValueError):
-    """A cell that says nothing that could be understood; the text says what to write instead."""
+    """A cell that cannot be parsed; the text names the cure."""
 
 
 class Texts(NamedTuple):
@@ -39,11 +39,11 @@ class Texts(NamedTuple):
     others: bool = False
 
     def has(self, text: str) -> bool:
-        """Return whether a text is one of them."""
+        """Return whether the set holds a text."""
         return (text in self.of) is not self.others
 
     def either(self, second: "Texts") -> "Texts":
-        """Return those of both together."""
+        """Return the union of two sets."""
         if self.others and second.others:
             return Texts(self.of & second.of, True)
         if self.others or second.others:
@@ -52,7 +52,7 @@ class Texts(NamedTuple):
         return Texts(self.of | second.of)
 
     def both(self, second: "Texts") -> "Texts":
-        """Return those that each has."""
+        """Return the intersection of two sets."""
         found = Texts(self.of, not self.others).either(Texts(second.of, not second.others))
         return Texts(found.of, not found.others)
 
@@ -61,14 +61,14 @@ NO_TEXT, EVERY_TEXT = Texts(frozenset()), Texts(frozenset(), True)
 
 
 class Fits(NamedTuple):
-    """The values that fit: closed intervals of numbers in ascending order, texts, and nothing at all if `missing`."""
+    """The values that fit: closed intervals of numbers in ascending order, texts, and a missing value if `missing`."""
 
     numbers: tuple[tuple[float, float], ...] = ()
     texts: Texts = NO_TEXT
     missing: bool = False
 
     def off(self, value: Value | None, *, turning: bool = False) -> float:
-        """Return by how much a value misses: 0 fits, infinity has no distance. `turning`: 359 is next to 0."""
+        """Return by how much a value misses: 0 if it fits, infinity without a distance. `turning`: 359 is next to 0."""
         if value is None:
             return 0.0 if self.missing else inf
         if isinstance(value, str):
@@ -80,16 +80,16 @@ class Fits(NamedTuple):
             least = min(least, low - value if value < low else value - high)
             if turning:
                 least = min(least, (low - value) % FULL_TURN, (value - high) % FULL_TURN)
-        return inf if isnan(least) else least  # what is not a number fits nothing
+        return inf if isnan(least) else least  # NaN fits nothing
 
     def either(self, second: "Fits") -> "Fits":
-        """Return what fits one of both."""
+        """Return the values that fit at least one."""
         return Fits(
             _joined((*self.numbers, *second.numbers)), self.texts.either(second.texts), self.missing or second.missing
         )
 
     def both(self, second: "Fits") -> "Fits":
-        """Return what fits both."""
+        """Return the values that fit both."""
         pairs = (
             (max(low, other_low), min(high, other_high))
             for low, high in self.numbers
@@ -104,8 +104,13 @@ MISSING = Fits(missing=True)
 
 
 class Cell(NamedTuple):
-    """A condition: what fits, `for_s` long without a break, only in the moment it `becomes` so, from a value that is
-    no older than `newest_s` (None: as its key says)."""
+    """A condition on one value.
+
+    - `fits`: the values that meet it.
+    - `for_s`: how long the value must fit without a break.
+    - `becomes`: true only at the moment at which the value begins to fit.
+    - `newest_s`: the greatest age of the value; None: as its key has it.
+    """
 
     text: str
     fits: Fits
@@ -115,7 +120,7 @@ class Cell(NamedTuple):
 
 
 def parse(text: str, *, turning: bool = False) -> Cell:
-    """Return what a cell says; CellError says what is wrong with it. `turning`: it is a direction in degrees."""
+    """Parse a cell; raise CellError with the cure. `turning`: the value is a direction in degrees."""
     if len(text) > LONGEST:
         raise CellError(f"it has {len(text)} characters, and {LONGEST} are the most")
     reader = _Reader(text, turning)
@@ -148,12 +153,12 @@ class _Reader:
         return self._tokens[self._next] if self._next < len(self._tokens) else None
 
     def rest(self) -> str:
-        """Return what is left of the text."""
+        """Return the rest of the text."""
         token = self.peek()
         return self._text[token.at :].strip() if token else ""
 
     def word(self, *words: str) -> bool:
-        """Return whether one of these words comes next, and pass it."""
+        """Skip the next token if it is one of these words, and return whether it was."""
         token = self.peek()
         if token is None or token.kind not in {"word", "mark", "about"} or token.text.lower() not in words:
             return False
@@ -161,7 +166,7 @@ class _Reader:
         return True
 
     def seconds(self, word: str) -> float | None:
-        """Return the seconds that follow a word, None without it."""
+        """Return the seconds after a word, None without that word."""
         if not self.word(word):
             return None
         self.word("than")
@@ -173,7 +178,7 @@ class _Reader:
         return value
 
     def either(self, depth: int) -> Fits:
-        """Return what fits one of several."""
+        """Parse conditions joined by `or`."""
         found = self._both(depth)
         while self.word("or"):
             found = found.either(self._both(depth))
@@ -272,7 +277,7 @@ class _Reader:
         return found
 
     def _words(self) -> str:
-        """Return a text: quoted, or words up to one that means something else."""
+        """Return a text: quoted, or words up to the next keyword."""
         words: list[str] = []
         while (token := self.peek()) is not None:
             if token.kind == "quoted" and not words:
@@ -299,7 +304,7 @@ def _tokens(text: str) -> Iterator[_Token]:
 
 
 def _same(text: str) -> Fits:
-    """Return what is this text; of true and false, what is 1 or 0 too."""
+    """Return the values equal to a text; true and false are 1 and 0, too."""
     low = text.lower()
     number = 1.0 if low in _TRUE else 0.0 if low in _FALSE else None
     numbers = () if number is None else ((number, number),)
@@ -316,7 +321,7 @@ def _all_but(text: str) -> Fits:
 
 
 def _joined(intervals: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-    """Return intervals in ascending order, those that touch as one."""
+    """Merge intervals that touch; return them in ascending order."""
     joined: list[tuple[float, float]] = []
     for low, high in sorted(intervals):
         if joined and low <= nextafter(joined[-1][1], inf):

@@ -1,5 +1,4 @@
-"""A table as a picture: its states in layers from the start down, what leads from one to the next beside the arrows.
-Pure."""
+"""A table as an SVG picture: states in layers from the start down, conditions beside the arrows. Pure."""
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
@@ -62,7 +61,7 @@ def svg(table: BehaviourTable, rows: Iterable[BehaviourRow]) -> str:
 
 
 def _layers(rows: Iterable[BehaviourRow]) -> list[list[str]]:
-    """Return the states by how many steps they are from the start; what nothing leads to comes last."""
+    """Return the states in layers by their distance from the start; unreachable states come last."""
     rows = list(rows)
     order = list(dict.fromkeys(row.state for row in rows))
     start = next((row.state for row in rows if row.type == "start"), order[0] if order else "")
@@ -91,7 +90,7 @@ def _ways(rows: Iterable[BehaviourRow], places: Mapping[str, _Place], types: Map
 
 
 def _way(a: _Place, b: _Place, number: int, label: str) -> str:
-    """Return an arrow: down a layer nearly straight, up or past one in a bow, and to itself as a loop."""
+    """Return an arrow: nearly straight to the next layer, in a bow elsewhere, as a loop to the same state."""
     half, bow = HIGH / 2, 26 + 30 * number
     if a == b:
         x, out = a.x + WIDE / 2, 34 + 16 * number

@@ -1,4 +1,4 @@
-"""State tables as files: CSV as spreadsheets write it, and JSON; in the columns that tables have always had. Pure."""
+"""State tables as files: CSV as spreadsheets write it, and JSON, with the established column names. Pure."""
 
 import contextlib
 import csv
@@ -20,7 +20,7 @@ _TYPES = get_args(RowType)
 _COMMA = re.compile(r"(?<=\d),(?=\d)")
 _POINT = re.compile(r"(?<=\d)\.(?=\d)")
 _TEXTS = {TYPE, STATE, NEXT, f"{OUTPUT}speech"}
-"""Columns without numbers."""
+"""Columns of text, in which a comma is not a decimal mark."""
 _HEADINGS = {name.casefold(): name for name in (TYPE, STATE, NEXT, DEADLINE)}
 _SEPARATOR = re.compile(r"^sep=([,;|\t])\r?\n", re.IGNORECASE)
 
@@ -38,8 +38,7 @@ class FileFault(NamedTuple):
 
 
 class Read(NamedTuple):
-    """The rows of a file, the line of each by its step, and what could not be read: a row lacks its cells of which that
-    is so."""
+    """The rows of a file, the line of each by its step, and the faults. A row lacks its unreadable cells."""
 
     rows: tuple[BehaviourRow, ...]
     lines: Mapping[int, int]
@@ -47,7 +46,7 @@ class Read(NamedTuple):
 
 
 def read(content: bytes, name: str, *, json: bool) -> Read:
-    """Return what is in a file, as the table `name`; never raises."""
+    """Read a file as the table `name`; faults are returned, never raised."""
     if len(content) > LARGEST_BYTES:
         return _refused(f"it has {len(content)} bytes, and {LARGEST_BYTES} are the most")
     return _of_json(content, name) if json else _of_csv(content, name)
@@ -68,7 +67,7 @@ def to_csv(rows: Iterable[BehaviourRow], delimiter: str = ",") -> str:
         deadline = [f"{row.deadline_s:g}" if row.deadline_s is not None else ""] if deadlines else []
         inputs = [row.conditions.get(column, "") for column in conditions]
         outputs = {OUTPUT + column: row.outputs.get(column, "") for column in results}
-        if delimiter == ";":  # with it go decimal commas
+        if delimiter == ";":  # spreadsheets that separate by semicolons have decimal commas
             inputs, deadline = ([_with_mark(",", cell) for cell in cells] for cells in (inputs, deadline))
             outputs = {name: cell if name in _TEXTS else _with_mark(",", cell) for name, cell in outputs.items()}
         writer.writerow([row.type, row.state, *inputs, *outputs.values(), row.next_state, *deadline])
@@ -76,7 +75,7 @@ def to_csv(rows: Iterable[BehaviourRow], delimiter: str = ",") -> str:
 
 
 def to_json(rows: Iterable[BehaviourRow]) -> bytes:
-    """Return rows as JSON: a state and its rows, in the order of their steps."""
+    """Return rows as JSON: the rows of each state, in the order of their steps."""
     by_state: dict[str, list[dict[str, object]]] = {}
     for row in sorted(rows, key=lambda row: row.step):
         entry: dict[str, object] = {
@@ -94,8 +93,7 @@ def to_json(rows: Iterable[BehaviourRow]) -> bytes:
 
 
 def text_of(content: bytes) -> str | None:
-    """Return the text of a file as spreadsheets write it: UTF-8 or UTF-16 by its mark, UTF-8, else Western; None: no
-    text."""
+    """Decode a spreadsheet's text: UTF-8, UTF-16 with a byte order mark, or else Windows-1252. None: not a text."""
     try:
         if content[:2] in {b"\xff\xfe", b"\xfe\xff"}:
             return content.decode("utf-16")
@@ -187,7 +185,7 @@ def _row(
 
 
 def _heading(text: str) -> str:
-    """Return the name of a column, without regard to blanks and the case of letters."""
+    """Normalise the name of a column: blanks, and the case of the established names."""
     name = " ".join(text.split())
     if name[: len(OUTPUT)].upper() == OUTPUT:
         return OUTPUT + name[len(OUTPUT) :].strip()
@@ -195,7 +193,7 @@ def _heading(text: str) -> str:
 
 
 def _has_commas(text: str, delimiter: str) -> bool:
-    """Return whether the numbers of a file have decimal commas: what one cell shows counts for all."""
+    """Return whether the file has decimal commas; one such cell decides for all."""
     header: list[str] = []
     with contextlib.suppress(csv.Error):
         for cells in csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True):
@@ -206,14 +204,14 @@ def _has_commas(text: str, delimiter: str) -> bool:
 
 
 def _with_mark(mark: str, cell: str) -> str:
-    """Return a cell with another decimal mark in its numbers; a quoted text stays."""
+    """Replace the decimal mark in a cell's numbers; quoted texts stay."""
     parts = cell.split('"')
     parts[::2] = [(_POINT if mark == "," else _COMMA).sub(mark, part) for part in parts[::2]]
     return '"'.join(parts)
 
 
 def _made(name: str, step: int, line: int, given: Mapping[str, str], faults: list[FileFault]) -> BehaviourRow:
-    """Return a row of its cells; those that cannot be in one are told, and left out."""
+    """Make a row of its cells; report the cells that do not fit, and leave them out."""
     kind = given.get(TYPE, "").strip()
     kind = kind if kind in _TYPES else kind.lower() if kind.lower() in _TYPES else "#" if kind[:1] == "#" else kind
     good: dict[str, str] = {}
@@ -264,7 +262,7 @@ def _deadline(text: str, line: int, faults: list[FileFault]) -> float | None:
 
 
 def _delimiter(text: str) -> str:
-    """Return what stands between cells: as Excel's mark says, else what the first line has most of."""
+    """Return the separator of cells: by Excel's `sep=` line, else the most frequent one in the first line."""
     if (mark := _SEPARATOR.match(text)) is not None:
         return mark[1]
     first = text[: text.find("\n")] if "\n" in text else text
@@ -297,7 +295,7 @@ def _of_json(content: bytes, name: str) -> Read:
 
 
 def _json_rows(parsed: object, faults: list[FileFault]) -> Iterator[tuple[str, dict[str, object]]]:
-    """Yield each row with where it stands."""
+    """Yield each row after its place in the file."""
     if isinstance(parsed, dict):
         groups = [(f"state '{str(state)[:40]}'", state, rows) for state, rows in parsed.items()]
     elif isinstance(parsed, list):
@@ -352,8 +350,7 @@ def _text(value: object, place: str, faults: list[FileFault]) -> str:
 
 
 def _leading_nowhere(given: Iterable[tuple[str, Mapping[str, object]]]) -> frozenset[str]:
-    """Return the states that lead to no other: in a file that has no types they are its ends, and the first row
-    starts."""
+    """Return the states without a way to another state: the ends of a file without types."""
     states: set[str] = set()
     leading: set[str] = set()
     for _, one in given:

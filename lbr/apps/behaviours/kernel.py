@@ -1,10 +1,12 @@
-"""A run of a table: which state it is in, what is to be done now, and why it stays. Pure: time, values and dice come
-in.
+"""A run of a table: its state, its order now, and why it stays. Pure: time, values and dice are arguments.
 
-    step(now, look) ──► rows of the state, in their order ──► the first that holds: its orders, one after the other
-    ended(outcome)  ──► the order is done ──► the next; after the last one, the next state
+    step(now, look)
+        state: check the rows in their order
+        first row whose conditions hold: its orders, one after the other
+    ended(outcome)
+        the next order; after the last one, the next state
 
-It asks for one order at a time, in `order`. Its driver carries that out and reports the end by `ended`.
+The run offers one order at a time, in `order`. Its driver carries the order out, and reports the end by `ended`.
 """
 
 from collections.abc import Callable, Mapping
@@ -23,16 +25,15 @@ from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand
 
 SETTLE_S = 0.3
-"""After a motion nothing is decided for so long: three periods of what tells where the robot is now."""
+"""The pause for decisions after a motion: three periods of the odometry, so that its values are of the new place."""
 RETRY_S = 1.0
-"""Before a command is tried again: what stopped it, such as a busy machine, has mostly passed by then."""
+"""The pause before a retry; a brief obstacle, such as a busy machine, is mostly gone by then."""
 LONGEST_ORDER_S = 120.0
-"""No motion takes longer: at a tenth of full power a room is crossed in less. Waits and tables have times of their
-own."""
+"""The longest motion: at a tenth of full power a room is crossed in less. Waits and tables have times of their own."""
 LONGEST_SEARCH_S = 400.0
-"""A search by beams goes along a whole wall, twelve metres and back at walking pace or less, and looks at each step."""
+"""The longest search by beams: twelve metres along a wall and back, at walking pace, with a look at each step."""
 DEEPEST = 8
-"""Tables within tables; a table that runs itself is refused when it is read."""
+"""The depth of tables within tables. A table that runs itself is refused when it is read."""
 
 
 class Outcome(NamedTuple):
@@ -46,7 +47,7 @@ DONE = Outcome(True, Reason("done", "done"))
 
 
 class _Held:
-    """The memory of a cell while its state lasts: since when it holds, and whether it did the last time."""
+    """The memory of a cell within one state: since when it holds, and whether it held the last time."""
 
     __slots__ = ("before", "since")
 
@@ -56,7 +57,7 @@ class _Held:
 
 
 class _Frame:
-    """A table on the way: the one that runs, or one that waits for the table it has called."""
+    """A table on the stack: the running one, or one that waits for the table it called."""
 
     def __init__(self, table: Table, now: float, chance: float) -> None:
         self.table = table
@@ -64,7 +65,7 @@ class _Frame:
         self.enter(table.start, now, chance)
 
     def enter(self, name: str, now: float, chance: float) -> None:
-        """Be in a state from now on."""
+        """Enter a state."""
         self.state: State = self.table.states[name]
         self.since = now
         self.chance = chance
@@ -77,11 +78,13 @@ class _Frame:
 
 
 class Run:
-    """A run of a table, begun at `now`; `draw` returns one of so many, from 0.
+    """A run of a table, begun at `now`; `draw(n)` returns a random number from 0 to n - 1.
 
-    `order` is what is to be done now, None: nothing; `ticket` tells one order from the next. `keeps` is a motion
-    without an end that goes on meanwhile. `row` is the step of the row that was taken last, 0: none. `tables` are those
-    it goes by from the next state on. `over` says how the run ended, `good` whether well.
+    - `order`: the order to carry out now, or None. A new `ticket` marks a new order.
+    - `keeps`: a motion without an end, which goes on meanwhile.
+    - `row`: the step of the row taken last; 0 before the first.
+    - `tables`: the tables that apply from the next state on.
+    - `over`: the reason of the run's end; `good`: whether it ended well.
     """
 
     def __init__(self, table: Table, tables: Mapping[str, Table], now: float, draw: Callable[[int], int]) -> None:
@@ -110,38 +113,38 @@ class Run:
 
     @property
     def paused(self) -> bool:
-        """Return whether it waits to go on."""
+        """Return whether the run is paused."""
         return self._paused_at is not None
 
     @property
     def table(self) -> str:
-        """Return the table that it is in."""
+        """Return the current table."""
         return self._frames[-1].table.name
 
     @property
     def state(self) -> str:
-        """Return the state that it is in."""
+        """Return the current state."""
         return self._frames[-1].state.name
 
     @property
     def called(self) -> tuple[str, ...]:
-        """Return the tables that wait for the one that it is in, outermost first."""
+        """Return the tables that wait for the current one, outermost first."""
         return tuple(frame.table.name for frame in self._frames[:-1])
 
     @property
     def doing(self) -> str:
-        """Return what it does, for people."""
+        """Return the current order or kept motion, for people."""
         if self.order is not None:
             return described(self.order)
         return described(self.keeps) if self.keeps is not None else ""
 
     def times(self, now: float) -> tuple[float, float]:
-        """Return for how long it is in its state, and has run; pauses do not count."""
+        """Return the time in this state and the time of the run, both without pauses."""
         at = self._at(now)
         return at - self._frames[-1].since, at - self._began
 
     def step(self, now: float, look: Look) -> None:
-        """Go on: take the first row whose conditions all hold, unless an order is under way."""
+        """Advance: take the first row whose conditions all hold, unless an order is under way."""
         if self.over is not None or self.paused:
             return
         self._now, at = now, self._at(now)
@@ -152,7 +155,7 @@ class Run:
             self._go_forward(at, now, look)
 
     def _too_long(self, at: float) -> bool:
-        """Return whether the run, or its state, has lasted too long, and end it."""
+        """End the run or the state if it has lasted too long; return whether it has."""
         frame, max_s = self._frames[-1], self._frames[0].table.max_s
         if at - self._began >= max_s:
             self._end(good=False, why=Reason("time_over", f"it ran for {max_s:g} s, the longest it may"))
@@ -182,7 +185,7 @@ class Run:
             self._look_around(at, now, look)
 
     def ended(self, outcome: Outcome, now: float) -> None:
-        """Take what became of the order that was under way."""
+        """Receive the outcome of the current order."""
         if self.over is not None or self.order is None:
             return
         frame, order = self._frames[-1], self.order
@@ -209,7 +212,7 @@ class Run:
             self._after_failure(outcome.why, described(order))
 
     def lost(self, outcome: Outcome) -> None:
-        """Take that the motion which was kept up has ended by itself."""
+        """Receive the end of the kept motion."""
         if self.over is not None or self.keeps is None:
             return
         order, self.keeps = self.keeps, None
@@ -225,12 +228,12 @@ class Run:
             self._fail(Reason(outcome.why.code, f"{described(order)}: {outcome.why.text}"))
 
     def pause(self, now: float) -> None:
-        """Stand still from now on; what is under way is begun again by `resume`."""
+        """Stand still from now on; `resume` begins the current order again."""
         if self.over is None and self._paused_at is None:
             self._paused_at = now
 
     def resume(self, now: float, *, one_step: bool = False) -> None:
-        """Go on; for `one_step` up to the next state, and pause there."""
+        """Go on after a pause; with `one_step` only up to the next state."""
         self._one_step = one_step
         if self._paused_at is not None:
             self._lost_s += now - self._paused_at
@@ -238,11 +241,11 @@ class Run:
             self.ticket += 1
 
     def stop(self, why: Reason) -> None:
-        """End it where it is; nothing more is done."""
+        """End the run at once."""
         self._end(good=False, why=why)
 
     def replace(self, tables: Mapping[str, Table]) -> None:
-        """Go by these tables from the next state on; without one that is under way there is no way on."""
+        """Apply these tables from the next state on; end the run if one that is under way is missing."""
         self.tables = dict(tables)
         for frame in self._frames:
             if frame.table.name not in tables and self.over is None:
@@ -251,7 +254,7 @@ class Run:
                 )
 
     def why(self, now: float, look: Look) -> tuple[RowView, ...]:
-        """Return the rows of the state with what of each does not hold, and by how much; changes nothing."""
+        """Return the rows of the state with their unmet conditions; changes nothing."""
         frame, at = self._frames[-1], self._at(now)
         return tuple(
             RowView(
@@ -267,7 +270,7 @@ class Run:
         )
 
     def _at(self, now: float) -> float:
-        """Return the run's own time: it stands while the run is paused."""
+        """Return the run's own time, which stands still during a pause."""
         return (now if self._paused_at is None else self._paused_at) - self._lost_s
 
     def _chance(self) -> float:
@@ -276,7 +279,7 @@ class Run:
     def _look_around(self, at: float, now: float, look: Look) -> None:
         frame = self._frames[-1]
         for number, line in enumerate(frame.state.lines):
-            # every condition is looked at, also after one that does not hold: `for` and `becomes` remember
+            # check every condition, even after one that does not hold: `for` and `becomes` have a memory
             holds = [self._holds(frame, (number, place), one, at, look) for place, one in enumerate(line.conditions)]
             if all(holds):
                 self._take(line, now)
@@ -304,12 +307,12 @@ class Run:
             self._next_order(now)
 
     def _next_order(self, now: float) -> None:
-        """Begin the next order; what needs nobody else is done at once."""
+        """Begin the next order; assignments are done at once."""
         frame = self._frames[-1]
         while frame.todo and isinstance(frame.todo[0], Assign):
             self._assign(frame.todo.pop(0))  # type: ignore[arg-type]
             if self._frames[-1] is not frame:
-                return  # its table has failed: what else the row would have done is not to be done
+                return  # the assignment failed and changed the state: skip the other orders of the row
         if not frame.todo or self.over is not None:
             return
         order = frame.todo[0]
@@ -345,13 +348,13 @@ class Run:
             self._fail(Reason("bad_value", f"O:set: ${order.name} is '{before}', to which nothing is added"))
             return
         after = before + (order.value if order.how == "+=" else -order.value)
-        if not isfinite(after):  # what goes by it would go on for ever, or do nothing
+        if not isfinite(after):  # a condition on infinity or NaN would hold forever, or never
             self._fail(Reason("bad_value", f"O:set: ${order.name} is more than can be reckoned with"))
             return
         self.variables[order.name] = after
 
     def _leave(self, now: float) -> None:
-        """Go to the next state, or end the table."""
+        """Enter the next state, or end the table."""
         frame = self._frames[-1]
         if frame.ending:
             self._return(now, good=frame.state.good)
@@ -376,12 +379,12 @@ class Run:
         for cells in state.entry:
             self._orders(cells)
             if self._frames[-1] is not frame or frame.state is not state:
-                return  # it failed: what else this state would have begun with is not the failure's
+                return  # an order failed and changed the state: skip the other orders of this one
         if not self.paused:
             self._go_on(now)
 
     def _return(self, now: float, *, good: bool) -> None:
-        """End a table: the run, or go on in the one that called it."""
+        """End a table: end the run, or go on in the table that called it."""
         frame = self._frames[-1]
         why = self._failing if self._failing is not None and not good else None
         if len(self._frames) == 1:
@@ -404,7 +407,7 @@ class Run:
         self.ended(outcome, now)
 
     def _after_failure(self, why: Reason, order: str) -> None:
-        """Go on after an order that failed, if the next state asks how it ended; else fail."""
+        """Go on after a failed order if the next state asks for the result; else fail."""
         frame = self._frames[-1]
         following = frame.table.states.get(frame.next_state) if frame.next_state else frame.state
         if following is not None and following.asks_for_result:
@@ -413,7 +416,7 @@ class Run:
             self._fail(Reason(why.code, f"{order}: {why.text}"))
 
     def _fail(self, why: Reason) -> None:
-        """Go to the failure state; without one, or failing in it, the table is over."""
+        """Enter the failure state; without one, or from an end, end the table."""
         frame = self._frames[-1]
         self.order = self.keeps = self._renew = None
         failure = frame.table.failure

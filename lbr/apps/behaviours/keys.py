@@ -1,4 +1,4 @@
-"""The possible columns of a table: names of the robot's telemetry, and of the run itself. Pure."""
+"""The columns that a table may have: names of the robot's telemetry, and of the run itself. Pure."""
 
 import types
 from collections.abc import Callable, Iterator, Mapping
@@ -42,7 +42,7 @@ STREAMS: Mapping[str, type[Struct]] = {
     "motions": MotionsState,
     "power": PowerState,
 }
-"""The telemetry: an input by name, and what it carries."""
+"""The telemetry: the message type of each input."""
 NEWEST_S: Mapping[str, float] = {
     "battery": 3.0,
     "dock": 1.5,
@@ -52,19 +52,22 @@ NEWEST_S: Mapping[str, float] = {
     "power": 3.0,
 }
 NEWEST_OTHERS_S = 1.0
-"""An older value does not count. Ranges, attitude, motors come ten times a second or more; what comes more slowly has
-its own: three of its periods."""
+"""The age at which a value no longer counts. Ranges, attitude and motors are published at 10 Hz or more. Slower streams
+have an entry in `NEWEST_S`, of three of their periods.
+"""
 
 Sort = Literal["number", "switch", "text"]
 RUN, VARIABLE = "", "$"
-"""Names without a stream: the run's own knowledge, and its variables."""
+"""The names that stand for the run itself and for its variables, in place of a stream."""
 DEEPEST = 5
 
 
 class Key(NamedTuple):
-    """The source of a column: a stream and the way within it; `choices` are all the texts that it can be.
+    """The source of a column: a stream and the path within it.
 
-    `turning`: degrees, in which 359 is next to 0. `times` makes the column's unit of the stream's.
+    - `choices`: all possible texts.
+    - `turning`: the value is in degrees, and 359 is next to 0.
+    - `times`: the factor from the stream's unit to the column's.
     """
 
     column: str
@@ -79,16 +82,16 @@ class Key(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Return the way to it as a dotted path."""
+        """Return the dotted path to the value."""
         return ".".join((self.stream, *self.path)) if self.stream else self.column
 
     @property
     def newest_s(self) -> float:
-        """Return how old its value may be, unless a cell says so."""
+        """Return the greatest age of its value, unless a cell gives one."""
         return NEWEST_S.get(self.stream, NEWEST_OTHERS_S)
 
     def read(self, message: object) -> Value | None:
-        """Return its value in a message; None if it is missing."""
+        """Return its value in a message, or None."""
         for part in self.path:
             message = message.get(part) if isinstance(message, dict) else getattr(message, part, None)
             if message is None:
@@ -116,7 +119,7 @@ _OLD: dict[str, tuple[str, float]] = {
     "Dock Right": ("dock.right", 1.0),
     "Dock Power": ("dock.power", 1.0),
 }
-"""Columns as tables have always had them: distances in whole centimetres, all else in the stream's own unit."""
+"""The established columns: distances in centimetres, all others in the stream's own unit."""
 _OF_THE_RUN = {
     "Time": Key("Time", RUN, ("time",), "number", low=0.0),
     "Run Time": Key("Run Time", RUN, ("run_time",), "number", low=0.0),
@@ -124,8 +127,13 @@ _OF_THE_RUN = {
     "Chance": Key("Chance", RUN, ("chance",), "number", low=0.0, high=100.0),
     "Result": Key("Result", RUN, ("result",), "text", choices=tuple(MEANINGS)),
 }
-"""Seconds in this state and since the start, how many times the state was entered, a number from 0 to 100 that is drawn
-on entering it, and the code of the last command."""
+"""Columns about the run itself:
+
+- `Time`, `Run Time`: seconds in this state, and since the start.
+- `Visits`: how many times the state was entered.
+- `Chance`: a number from 0 to 100, drawn on entering the state.
+- `Result`: the code of the last command.
+"""
 COLUMNS = tuple(_OLD) + tuple(_OF_THE_RUN)
 
 
@@ -134,9 +142,9 @@ EVERY = frozenset(STREAMS)
 
 @lru_cache(maxsize=4096)
 def resolve(column: str, streams: frozenset[str] = EVERY) -> Key:
-    """Return what a column reads; CellError if that is nothing, or may be more than one thing.
+    """Return the key of a column; raise CellError if the name is unknown or ambiguous.
 
-    `streams` are those that the robot has: a bare name is one of theirs.
+    `streams` are those of the robot; a bare name is looked up among them.
     """
     if column in _OF_THE_RUN:
         return _OF_THE_RUN[column]
@@ -156,7 +164,7 @@ def resolve(column: str, streams: frozenset[str] = EVERY) -> Key:
 
 
 def all_names() -> tuple[str, ...]:
-    """Return every name of the telemetry as a dotted path; `*` stands for a name that the robot's rows give."""
+    """Return every name of the telemetry as a dotted path; `*` stands for a name from the robot's rows."""
     return tuple(".".join(path) for path in _known())
 
 
@@ -177,7 +185,7 @@ def _anywhere(column: str, streams: frozenset[str]) -> Key:
 
 
 def _at(parts: tuple[str, ...]) -> Key | None:
-    """Return what is at a whole path, with the names that rows give in it."""
+    """Return the key at a whole path; names from rows match `*`."""
     for path, key in _known().items():
         same = len(path) == len(parts) and all(one in {"*", part} for one, part in zip(path, parts, strict=True))
         if same and all(parts):
@@ -201,7 +209,7 @@ def _known() -> dict[tuple[str, ...], Key]:
 
 
 def _fields(message: type[Struct], depth: int) -> Iterator[tuple[tuple[str, ...], tuple[Any, ...]]]:
-    """Yield each field that a condition can ask for, and what it is."""
+    """Yield the path and properties of each field that a condition can read."""
     for field in msgspec.structs.fields(message):
         yield from _of_type((field.encode_name,), field.type, depth)
 
@@ -236,4 +244,4 @@ def _of_type(path: tuple[str, ...], kind: object, depth: int) -> Iterator[tuple[
 
 
 Look = Callable[[Key, float], Value | None]
-"""Returns the value of a key, None if the newest is too old."""
+"""Returns the value of a key; None without one that is new enough."""

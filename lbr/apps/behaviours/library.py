@@ -1,4 +1,4 @@
-"""The robot's tables as its rows have them, compiled; edits and tables that pages write are judged beside them."""
+"""The robot's tables, compiled from its rows; edits, and tables of pages, are checked against them."""
 
 from collections.abc import Iterable, Mapping
 from typing import TypeVar
@@ -41,7 +41,7 @@ R = TypeVar("R", bound=Row)
 
 
 class Library:
-    """All tables of a robot, from its first `compile` on; `follow` takes an edit over."""
+    """All tables of a robot: `compile` makes them, `follow` applies an edit of the rows."""
 
     def __init__(self, ctx: Context[BehaviourSettings], senses: Senses) -> None:
         self._ctx = ctx
@@ -52,14 +52,14 @@ class Library:
         self._compiled: dict[str, Compiled] = {}
 
     def follow(self, message: RowsChanged) -> None:
-        """Take other rows over, and compile them."""
+        """Apply an edit of the rows, and compile."""
         self._tables = {row.name: row for row in _edited(BehaviourTable, self._tables.values(), message)}
         self._rows = tuple(_edited(BehaviourRow, self._rows, message))
         self._sensors = tuple(_edited(RangeSensor, self._sensors, message))
         self.compile()
 
     def compile(self) -> None:
-        """Compile all tables, and publish which there are and what is wrong with them."""
+        """Compile all tables, and publish their names and faults."""
         self._compiled = linked(compiled_alone(self._tables.values(), self._rows, self._parts()))
         summaries = (
             BehaviourSummary(
@@ -77,19 +77,19 @@ class Library:
         return {name: one.table for name, one in self._compiled.items() if one.table is not None}
 
     def refusal(self, name: str) -> str:
-        """Return why a table that is there cannot be run; nothing if it can, or is not there."""
+        """Return why a table cannot be run; empty if it can, or does not exist."""
         one = self._compiled.get(name)
         return texts.faults(name, one.errors) if one is not None and one.table is None else ""
 
     def runnable(self, name: str) -> Table:
-        """Return a table; InputError if it is not there or has faults."""
+        """Return a table; raise InputError if it does not exist or has faults."""
         self._require(name)
         if why := self.refusal(name):
             raise InputError(why, "bad_value")
         return self.good()[name]
 
     def reachable(self, table: Table) -> list[Table]:
-        """Return a table and all that it runs."""
+        """Return a table and all that it can run."""
         good, tables = self.good(), {table.name: table}
         waiting = [table]
         while waiting:
@@ -102,13 +102,13 @@ class Library:
     def faults(
         self, name: str, rows: Iterable[BehaviourRow], lines: Mapping[int, int] | None = None
     ) -> tuple[BehaviourFault, ...]:
-        """Return what would be wrong with a table of these rows, beside the robot's others."""
+        """Return the faults that a table of these rows would have beside the robot's others."""
         table = self._tables.get(name) or BehaviourTable(name=name)
         mine = [row if row.behaviour == name else replace(row, behaviour=name) for row in rows]
         return _report(linked({**self._compiled, name: compile_table(table, mine, self._parts())})[name].faults, lines)
 
     def read(self, message: ReadBehaviour) -> BehaviourChecked:
-        """Return what is in a file; one that cannot all be read has no rows."""
+        """Return the rows and faults of a file; without rows if a cell cannot be read."""
         file = files.read(message.content, message.name, json=message.file.lower().endswith(".json"))
         if file.faults:
             faults = tuple(BehaviourFault(line=each.line, column=each.column, text=each.text) for each in file.faults)
@@ -118,7 +118,7 @@ class Library:
         return BehaviourChecked(accepted=True, faults=faults, rows=file.rows)
 
     def written(self, message: WriteBehaviour) -> bytes:
-        """Return a table as a file; InputError if it is not there."""
+        """Return a table as a file; raise InputError if it does not exist."""
         self._require(message.name)
         rows = self._rows_of(message.name)
         if message.form == "json":
@@ -126,11 +126,11 @@ class Library:
         return files.to_csv(rows, ";" if message.form == "semicolons" else ",").encode("utf-8-sig")
 
     def listed(self, now: BehaviourState) -> str:
-        """Return all tables as text, with the one that runs."""
+        """Return all tables as text; the running one is marked."""
         return texts.listed(self._tables, self._compiled, now)
 
     def drawing(self, name: str, at: str) -> str:
-        """Draw a table as text, with the state where it is; InputError if it is not there."""
+        """Draw a table as text, with the robot at state `at`; raise InputError if it does not exist."""
         self._require(name)
         return texts.graph(self._tables[name], self._rows_of(name), at)
 
@@ -138,7 +138,7 @@ class Library:
         return [row for row in self._rows if row.behaviour == name]
 
     def _parts(self) -> Parts:
-        """Return what this robot has."""
+        """Return the parts of this robot."""
         asks = frozenset(way for way in outputs.NEEDS if self._ctx.targets(way))
         return Parts(self._senses.streams, asks, frozenset(row.name for row in self._sensors) or frozenset(RING))
 
@@ -150,7 +150,7 @@ class Library:
 
 
 def _report(faults: Iterable[Fault], lines: Mapping[int, int] | None = None) -> tuple[BehaviourFault, ...]:
-    """Return faults as messages have them; the first that people can read."""
+    """Return the first faults as messages."""
     return tuple(
         BehaviourFault(
             step=one.step, line=(lines or {}).get(one.step, 0), column=one.column, text=one.text, error=one.error
@@ -160,7 +160,7 @@ def _report(faults: Iterable[Fault], lines: Mapping[int, int] | None = None) -> 
 
 
 def _edited(row: type[R], before: Iterable[R], message: RowsChanged) -> list[R]:
-    """Return the rows of a table as an edit makes them."""
+    """Return the rows of a table after an edit."""
     try:
         removed = set(msgspec.json.decode(message.gone.get(row.TABLE, "[]"), type=list[tuple[object, ...]]))
         told = msgspec.json.decode(message.rows.get(row.TABLE, "[]"), type=list[object])

@@ -1,16 +1,15 @@
-"""When a table begins by itself because the battery is low: once each time that it gets low, while the robot is left
-alone. Pure."""
+"""The start of a table for a low battery: once each time it gets low, while nobody uses the robot. Pure."""
 
 from math import inf
 
 LOW_FOR_S = 10.0
-"""A voltage sags for seconds when a motor starts."""
+"""A longer time than the seconds for which the voltage sags when a motor starts."""
 ALONE_FOR_S = 10.0
-"""Nobody has moved or stopped the robot for so long."""
+"""The time without a motion or a stop by anybody, after which the robot counts as left alone."""
 
 
 class LowBattery:
-    """Told what is seen once a round, it says when to begin."""
+    """Decides when to begin the table; call `due` once a round."""
 
     def __init__(self) -> None:
         self._low_since = inf
@@ -18,8 +17,10 @@ class LowBattery:
         self._begun = False
 
     def due(self, now: float, *, low: bool | None, charging: bool, busy: bool) -> bool:
-        """Return whether to begin now; `low` null: not known. After it began, only a battery that was well again
-        counts."""
+        """Return whether to begin now; `low` is None if unknown.
+
+        It is due again only after the battery has been charged or was no longer low.
+        """
         if low is False or charging:
             self._begun = False
         self._low_since = min(self._low_since, now) if low and not charging else inf

@@ -1,6 +1,6 @@
-"""The acts of a row: from its output cells to commands of the robot. Pure.
+"""The orders of a row: from its output cells to commands of the robot. Pure.
 
-A number may be a variable, `$speed`; what is one of several, `a | b`, is drawn when the row is taken.
+A number may be a variable, `$speed`. Of alternatives, `a | b`, one is drawn when the row is taken.
 """
 
 import re
@@ -27,7 +27,7 @@ TEXTS = ("sensor", "speech", "phrase", "watch", "motion", "beacon", "run", "set"
 ALL = (*NUMBERS, *TEXTS)
 MOST_RETRIES = 20
 MOST_CHOICES = 20
-"""Of one cell; each of them is tried when a table is read."""
+"""The alternatives of one cell; each of them is checked when a table is read."""
 LONGEST_WAIT_S = 3600.0
 WAYS = {
     "level": "move",
@@ -39,7 +39,7 @@ WAYS = {
     "phrase": "say",
     "watch": "watch",
 }
-"""By which request an output is carried out."""
+"""The request that carries out each output."""
 NEEDS = {
     "move": "drive",
     "turn": "drive",
@@ -53,14 +53,14 @@ ASIDE = frozenset({"say", "watch"})
 """Side requests: a table neither waits for them nor fails without them."""
 OFF = "off"
 _SENSORS = {"rear": "back"}
-"""Names that tables have always given to sensors."""
+"""Other names of sensors in old tables."""
 _ASSIGNS = re.compile(r"\s*\$?(\w+)\s*(=|\+=|-=)\s*(.*?)\s*\Z")
 Draw = Callable[[int], int]
-"""Returns one of so many, from 0."""
+"""Returns a random number from 0 to n - 1."""
 
 
 class Wait(Struct, frozen=True):
-    """Stand for so long."""
+    """Stand still for so long."""
 
     seconds: float
 
@@ -89,14 +89,14 @@ Order = Wait | Halt | CallTable | Assign | Aside | Motion
 
 
 class Orders(NamedTuple):
-    """The acts of one row, in its order, and how often a motion or a table that failed is tried again."""
+    """The orders of one row in sequence, and how often to retry a motion or a table that failed."""
 
     orders: tuple[Order, ...] = ()
     retries: int = 0
 
 
 class OutputError(ValueError):
-    """An output that no command takes: which, and why."""
+    """An output that makes no command: its column, and why."""
 
     def __init__(self, column: str, text: str) -> None:
         super().__init__(text)
@@ -104,7 +104,7 @@ class OutputError(ValueError):
 
 
 def sensors(cells: Mapping[str, str]) -> tuple[str, ...]:
-    """Return the sensors to which cells bind a motion, by their rows' names."""
+    """Return the sensors that end a motion, by their rows' names."""
     if not cells.get("range", "").strip():
         return ()
     named = [one.strip().lower() for one in cells.get("sensor", "forward").split("|")]
@@ -145,7 +145,7 @@ def _drive_described(order: DriveCommand) -> str:
 
 
 def make(cells: Mapping[str, str], draw: Draw, variables: Mapping[str, Value]) -> Orders:
-    """Return what cells order now; OutputError says which of them no command takes."""
+    """Return the orders of output cells now; raise OutputError with the column at fault."""
     given = {name: _chosen(text, draw) for name, text in cells.items() if text.strip()}
     numbers = {name: _number(name, given[name], variables) for name in NUMBERS if name in given}
     orders = list(_orders(given, numbers))
@@ -154,7 +154,7 @@ def make(cells: Mapping[str, str], draw: Draw, variables: Mapping[str, Value]) -
 
 
 def faults(cells: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """Yield each column of which no command takes what a cell says, also where that is one of several, and why."""
+    """Yield each faulty column and the reason; all alternatives of a cell are checked."""
     for name in cells:
         if name not in ALL:
             close = near(name, ALL)
@@ -181,7 +181,7 @@ def variables_of(cells: Mapping[str, str]) -> set[str]:
 
 
 class _Unset(dict[str, Value]):
-    """Variables of which nothing is known yet: a check takes them for what fits."""
+    """Variables without values yet: a check reads each as NaN, which fits everywhere."""
 
     def __contains__(self, _name: object) -> bool:
         return True
@@ -210,7 +210,7 @@ def _orders(given: Mapping[str, str], numbers: Mapping[str, float]) -> Iterator[
 
 
 def _way(given: Mapping[str, str]) -> str:
-    """Return the output by which a row moves the robot, empty for none; what goes with another is refused."""
+    """Return the output that moves the robot, or ""; raise OutputError for outputs that do not go together."""
     moving = [name for name in ("level", "turn", "heading", "motion", "beacon", "run") if name in given]
     if len(moving) > 1:
         raise OutputError(moving[1], f"a row moves the robot in one way, and O:{moving[0]} is one already")
@@ -285,8 +285,7 @@ def _drive(given: Mapping[str, str], numbers: Mapping[str, float], duration: flo
 
 
 def _command(kind: type[Any], fields: Mapping[str, tuple[str, Any]]) -> Any:
-    """Return a command; what it refuses is told with the column it came from. A number that is not known yet is left
-    out."""
+    """Make a command; raise OutputError with the column of a bad field. Numbers not known yet are left out."""
     known = {name: value for name, (_, value) in fields.items() if not _unknown(value)}
     base = _fitting(kind)
     for name, value in known.items():
@@ -298,7 +297,7 @@ def _command(kind: type[Any], fields: Mapping[str, tuple[str, Any]]) -> Any:
 
 
 def _fitting(kind: type[Any]) -> dict[str, Any]:
-    """Return something for each field that a command cannot do without."""
+    """Return a valid value for each required field of a command."""
     return {
         field.name: "a" if field.name == "motion" else 0.0 for field in msgspec.structs.fields(kind) if field.required
     }
@@ -346,18 +345,18 @@ def _number(name: str, text: str, variables: Mapping[str, Value]) -> float:
 
 
 def _whole(numbers: Mapping[str, float]) -> float:
-    """Return how many times; a float that is whole as a whole number."""
+    """Return how many times to play; a whole number as an int."""
     times = numbers.get("times", 1.0)
     return times if isnan(times) or times != int(times) else int(times)
 
 
 def _within(name: str, value: float, most: float) -> float:
-    """Return a number of these bounds, or one that is not known yet."""
+    """Return a number within its bounds, or one not known yet; else raise OutputError."""
     if not (isnan(value) or 0.0 <= value <= most):
         raise OutputError(name, f"{value:g} is not from 0 to {most:g}")
     return value
 
 
 def _unknown(value: object) -> bool:
-    """Return whether it is a variable that nothing is known of yet."""
+    """Return whether a value is of a variable not known yet."""
     return isinstance(value, float) and isnan(value)

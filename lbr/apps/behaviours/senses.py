@@ -1,4 +1,4 @@
-"""The robot's telemetry as conditions ask for it: the newest message of each source, for as long as it counts."""
+"""The robot's telemetry for conditions: the newest message of each source, until it is too old."""
 
 from lbr.apps.behaviours.cells import Value
 from lbr.apps.behaviours.keys import STREAMS, Key
@@ -7,7 +7,7 @@ from lbr.capability.context import Context, Received
 
 
 class Senses:
-    """Listens to the streams that a table reads; of several sources the newest that has a value counts."""
+    """Reads the streams of a table. Of several sources the newest with a value counts."""
 
     def __init__(self, ctx: Context[BehaviourSettings]) -> None:
         self._ctx = ctx
@@ -16,11 +16,11 @@ class Senses:
 
     @property
     def streams(self) -> frozenset[str]:
-        """Return the streams that the robot has."""
+        """Return the streams of this robot."""
         return frozenset(stream for stream in STREAMS if self._ctx.sources(stream))
 
     def listen(self, streams: frozenset[str]) -> None:
-        """Take in what came."""
+        """Take the new messages of these streams."""
         for stream in streams:
             self._arrived[stream] = self._ctx.take(stream)
             for received in self._arrived[stream]:
@@ -31,11 +31,11 @@ class Senses:
         return list(self._newest.get(stream, {}).values())
 
     def arrived(self, stream: str) -> list[Received]:
-        """Return what was taken in last of a stream, oldest first."""
+        """Return the messages of a stream that the last `listen` took, oldest first."""
         return self._arrived.get(stream, [])
 
     def look(self, key: Key, newest_s: float) -> Value | None:
-        """Return the value of a key, None if the newest is older than that."""
+        """Return the value of a key; None if all values are older than `newest_s`."""
         now, newest, arrived = self._ctx.clock(), None, float("-inf")
         for received in self._newest.get(key.stream, {}).values():
             if received.arrived > arrived and now - received.arrived <= newest_s:

@@ -1,4 +1,4 @@
-"""A state table compiled: its cells read once, and everything that is wrong with it told with row and column. Pure."""
+"""A state table compiled: its cells parsed once, and all its faults with row and column. Pure."""
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -13,14 +13,16 @@ from lbr.messages.behaviour import MOST_ROWS, BehaviourRow, BehaviourTable
 
 STATE, NEXT, TYPE, DEADLINE = "Current State", "Next State", "Type", "Deadline"
 MOST_FAULTS = 50
-"""That keep a table from being run; with so many the rest of it is not looked at, because each costs a search for what
-may have been meant, and the process that checks a table meanwhile moves the robot."""
+"""The errors after which the rest of a table is not checked.
+
+Each error costs a search for similar names, and the process that checks a table also moves the robot.
+"""
 MOST_COMPARED = 100
-"""Rows of one state, each with all before it; a state that people write has ten."""
+"""The rows of one state that are compared with all before them; a state written by hand has about ten."""
 
 
 class Parts(NamedTuple):
-    """The parts of a robot: streams to read, requests that something answers, sensors; None: that is not known here."""
+    """The parts of a robot: streams to read, requests with an answerer, sensors; None: not known here."""
 
     streams: frozenset[str] = EVERY
     asks: frozenset[str] | None = None
@@ -31,7 +33,7 @@ ANY_ROBOT = Parts()
 
 
 class Fault(NamedTuple):
-    """A problem, in which row (by its step; 0: the whole table) and column. One that is no `error` is odd, no more."""
+    """A problem at a row (its step; 0: the whole table) and column. A fault that is not an `error` is only a note."""
 
     step: int
     column: str
@@ -40,7 +42,7 @@ class Fault(NamedTuple):
 
 
 class Condition(NamedTuple):
-    """A cell and what it is asked of. `turning` values are degrees."""
+    """A cell and the key whose value it checks."""
 
     key: Key
     cell: Cell
@@ -48,7 +50,7 @@ class Condition(NamedTuple):
 
 
 class Line(NamedTuple):
-    """A row that is tried: all conditions must hold. `outputs` are cells still, since a choice is drawn each time."""
+    """A row with conditions, which must all hold. `outputs` stay text: a choice is drawn each time."""
 
     step: int
     conditions: tuple[Condition, ...]
@@ -57,7 +59,7 @@ class Line(NamedTuple):
 
 
 class State(NamedTuple):
-    """A state: what is done on entering it, its rows in their order, how long it may last, whether it is an end."""
+    """A state: its orders on entry, its rows in their order, its deadline, and whether it is an end."""
 
     name: str
     entry: tuple[Mapping[str, str], ...] = ()
@@ -73,12 +75,12 @@ class State(NamedTuple):
 
     @property
     def asks_for_result(self) -> bool:
-        """Return whether it looks how the last command ended."""
+        """Return whether it reads the result of the last command."""
         return any(condition.key.column == "Result" for line in self.lines for condition in line.conditions)
 
 
 class Table(NamedTuple):
-    """A table that can be run: its states by name, where it starts, and where it goes when something fails."""
+    """A table that can be run: its states by name, its start, and its failure state."""
 
     name: str
     states: Mapping[str, State]
@@ -105,19 +107,19 @@ class Table(NamedTuple):
 
 
 class Compiled(NamedTuple):
-    """A table, None if an error keeps it from being run, and all faults in the order of the rows."""
+    """A table, None if it has errors, and all its faults in the order of the rows."""
 
     table: Table | None
     faults: tuple[Fault, ...]
 
     @property
     def errors(self) -> tuple[Fault, ...]:
-        """Return what keeps it from being run."""
+        """Return the faults that keep it from being run."""
         return tuple(fault for fault in self.faults if fault.error)
 
 
 def compile_table(table: BehaviourTable, rows: Iterable[BehaviourRow], robot: Parts = ANY_ROBOT) -> Compiled:
-    """Return a table of rows, for a robot that has these parts."""
+    """Compile a table for a robot with these parts."""
     every = sorted((row for row in rows if row.type != "#"), key=lambda row: row.step)
     faults: list[Fault] = []
     if len(every) > MOST_ROWS:
@@ -151,7 +153,7 @@ def compile_table(table: BehaviourTable, rows: Iterable[BehaviourRow], robot: Pa
 def compiled_alone(
     tables: Iterable[BehaviourTable], rows: Iterable[BehaviourRow], robot: Parts = ANY_ROBOT
 ) -> dict[str, Compiled]:
-    """Return tables by name, each checked by itself."""
+    """Return the compiled tables by name, each checked by itself."""
     of: dict[str, list[BehaviourRow]] = {}
     for row in rows:
         of.setdefault(row.behaviour, []).append(row)
@@ -161,8 +163,7 @@ def compiled_alone(
 
 
 def cell_faults(rows: Iterable[BehaviourRow], robot: Parts = ANY_ROBOT) -> tuple[Fault, ...]:
-    """Return what keeps cells from being read, each by itself: of rows that are not the whole table no more can be
-    said."""
+    """Return the errors within single rows; the rows need not be a whole table."""
 
     def errors() -> Iterator[Fault]:
         for row in rows:
@@ -175,14 +176,13 @@ def cell_faults(rows: Iterable[BehaviourRow], robot: Parts = ANY_ROBOT) -> tuple
 
 
 def linked(compiled: Mapping[str, Compiled]) -> dict[str, Compiled]:
-    """Return tables with what is wrong between them: one that another runs is not there, is faulty or runs that
-    again."""
+    """Check the calls between tables: a called table must exist, have no errors, and not call its caller again."""
     checked = {}
     for name, each in compiled.items():
         more = list(_of_calls(name, compiled)) if each.table is not None else []
         checked[name] = Compiled(None, (*each.faults, *more)) if more else each
     faulty = {name for name, each in checked.items() if each.table is None}
-    while True:  # what runs a faulty table is faulty itself
+    while True:  # a table that runs a faulty table is faulty
         worse = {name: each for name, each in checked.items() if each.table is not None and each.table.calls & faulty}
         if not worse:
             return checked
@@ -217,7 +217,7 @@ def _line(row: BehaviourRow, robot: Parts, faults: list[Fault]) -> Line:
 
 
 def _lacking(row: BehaviourRow, robot: Parts) -> Iterator[Fault]:
-    """Yield the outputs that nothing on this robot carries out."""
+    """Yield the outputs that no part of this robot carries out."""
     for column, way in outputs.WAYS.items():
         if row.outputs.get(column, "").strip() and robot.asks is not None and way not in robot.asks:
             text = f"this robot has no {outputs.NEEDS[way]} that runs"
@@ -254,7 +254,7 @@ def _states(
 def _of_shape(
     rows: Sequence[BehaviourRow], states: Mapping[str, State], ends: Sequence[str], fails: Sequence[str]
 ) -> Iterator[Fault]:
-    """Yield what is wrong with states and the ways between them."""
+    """Yield the faults of states, and of the ways between them."""
     if not rows:
         yield Fault(0, "", "it has no rows: a table needs a start and an end")
         return
@@ -274,7 +274,7 @@ def _of_shape(
 
 
 def _from_the_start(rows: Sequence[BehaviourRow], states: Mapping[str, State], fails: Sequence[str]) -> Iterator[Fault]:
-    """Yield what is wrong with the start, and states to which no way leads from it."""
+    """Yield the faults of the start, and unreachable states."""
     starts = [row for row in rows if row.type == "start"]
     if not starts:
         yield Fault(rows[0].step, TYPE, "no row has the type 'start': write it in the row where the table starts")
@@ -320,7 +320,7 @@ def _reached(start: str, states: Mapping[str, State], fails: Sequence[str]) -> s
 
 
 def _of_variables(rows: Sequence[BehaviourRow]) -> Iterator[Fault]:
-    """Yield which variables are read that no row ever sets."""
+    """Yield the variables that are read and never set."""
     given = {name for row in rows for name in outputs.variables_of(row.outputs)}
     for row in rows:
         asked = {column: column[1:] for column, text in row.conditions.items() if column[:1] == "$" and text.strip()}
@@ -357,7 +357,7 @@ def _domain(key: Key) -> Fits:
 
 
 def _shadowed(lines: Sequence[Line]) -> Iterator[Fault]:
-    """Yield the rows that are never taken: an earlier one asks for nothing that they do not ask for, too."""
+    """Yield the rows that are never taken, because an earlier row has no condition that they lack."""
     asked = [frozenset((one.key, one.cell._replace(text="")) for one in line.conditions) for line in lines]
     for number, line in enumerate(lines[:MOST_COMPARED]):
         earlier = next((lines[at].step for at in range(number) if asked[at] <= asked[number]), 0)

@@ -1,4 +1,4 @@
-"""Tables and runs as text for people: lists, graphs, and why a row is not taken. Pure."""
+"""Tables and runs as text for people: lists, graphs, and the unmet conditions of rows. Pure."""
 
 from collections.abc import Iterable, Mapping, Sequence
 
@@ -9,13 +9,13 @@ MOST_FAULTS = 12
 
 
 def faults(name: str, found: Sequence[Fault]) -> str:
-    """Return what is wrong with a table, one fault a line."""
+    """Return the faults of a table, one a line."""
     more = [f"... and {len(found) - MOST_FAULTS} more"] if len(found) > MOST_FAULTS else []
     return "\n".join([*(f"behaviour '{name}', {fault(one)}" for one in found[:MOST_FAULTS]), *more])
 
 
 def fault(error: Fault, lines: Mapping[int, int] | None = None) -> str:
-    """Return where a fault is, by the line of its row in a file if that is known, and what is to be done."""
+    """Return the place and text of a fault; the place is a line of its file if that is known."""
     line = (lines or {}).get(error.step, 0)
     at = f"line {line}" if line else f"row {error.step}" if error.step else ""
     where = ", ".join(filter(None, (at, error.column)))
@@ -23,7 +23,7 @@ def fault(error: Fault, lines: Mapping[int, int] | None = None) -> str:
 
 
 def listed(tables: Mapping[str, BehaviourTable], compiled: Mapping[str, Compiled], now: BehaviourState) -> str:
-    """Return every table with what it is for, and the first fault of one that cannot be run."""
+    """Return every table with its help, or with the first of its faults."""
     width = max(map(len, tables), default=0)
     lines = []
     for name, table in sorted(tables.items()):
@@ -36,7 +36,7 @@ def listed(tables: Mapping[str, BehaviourTable], compiled: Mapping[str, Compiled
 
 
 def why(state: BehaviourState) -> str:
-    """Return where a run is, and for each row what does not hold and by how much."""
+    """Return the state of a run, and the unmet conditions of each row."""
     if state.phase == "resting":
         return "no behaviour ran yet"
     if state.phase == "ended":
@@ -60,7 +60,7 @@ def why(state: BehaviourState) -> str:
 
 
 def graph(table: BehaviourTable, rows: Iterable[BehaviourRow], at: str = "") -> str:
-    """Return a table as a graph in text: each state, and what leads out of it; `at` is where the robot is."""
+    """Return a table as a graph in text: each state and the ways out of it; `at` is the robot's state."""
     ordered = sorted((row for row in rows if row.type != "#"), key=lambda row: row.step)
     ends = {row.state: row.type for row in ordered if row.type in {"end", "fail"}}
     start = next((row.state for row in ordered if row.type == "start"), "")

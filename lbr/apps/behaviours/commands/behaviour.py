@@ -208,7 +208,7 @@ def try_(source: str, robot: str | None, database: Path | None, *, as_json: bool
 
 
 def _word(name: str, text: str) -> None:
-    """Add a subcommand that says one of the console's words to a running robot."""
+    """Add a subcommand that sends one console word to a running robot."""
 
     @click.command(name, help=text)
     @robot_options
@@ -281,7 +281,7 @@ def _name_of(path: Path) -> str:
 
 
 def _read(path: Path, name: str) -> Read:
-    """Return what is in a file, and what could not be read of it."""
+    """Return the rows of a file and its faults."""
     content = given_files.read(path, files.LARGEST_BYTES)
     return files.read(content, name, json=path.suffix.lower() == ".json")
 
@@ -289,7 +289,7 @@ def _read(path: Path, name: str) -> Read:
 def _fits(path: Path, table: BehaviourTable, read: Read, rows: RobotRows | None) -> Compiled:
     """Return a file's table, checked beside the robot's own; raise RowError with all faults.
 
-    Of a table with unreadable cells only the cells are checked, as its states are incomplete.
+    If cells are unreadable, only cells are checked, as the states are incomplete.
     """
     if read.faults:
         problems = [(fault.line, f"{path}, {fault}") for fault in read.faults]
@@ -309,7 +309,7 @@ def _fits(path: Path, table: BehaviourTable, read: Read, rows: RobotRows | None)
 
 
 def _complain(where: str, faults: tuple[Fault, ...], lines: Mapping[int, int]) -> None:
-    """Print what is odd, no more."""
+    """Print the notes; errors are raised elsewhere."""
     for one in faults:
         if not one.error:
             click.echo(one_line(f"note: {_located(where, one, lines)}"), err=True)
@@ -330,7 +330,7 @@ def _alone(rows: RobotRows) -> dict[str, Compiled]:
 
 
 def _parts(rows: RobotRows | None) -> Parts:
-    """Return what a robot has for tables; anything if that is not known, or it has no capability that runs them."""
+    """Return the parts of a robot that tables use; of any robot if there are no rows or no capability runs tables."""
     wired = wiring_of(rows, "behaviour") if rows is not None else None
     if rows is None or wired is None:
         return ANY_ROBOT
@@ -358,7 +358,7 @@ def _rows(database: Path | None, robot: str | None) -> RobotRows:
 
 
 def _rows_if_any(database: Path | None, robot: str | None) -> RobotRows | None:
-    """Return a robot's rows to check a file by; None without a database, unless one is named."""
+    """Return a robot's rows to check a file by; None if no database exists and none is named."""
     if database is None and robot is None and not home.default_database().exists():
         return None
     return _rows(database, robot)

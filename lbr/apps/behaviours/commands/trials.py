@@ -53,7 +53,7 @@ OPTIONS = (
 
 
 def options(command: Any) -> Any:
-    """Give a command all that can be said of trials."""
+    """Give a command all options of trials."""
     for option in reversed(OPTIONS):
         command = option(command)
     return command
@@ -170,7 +170,7 @@ def _span(seconds: float) -> str:
 
 
 def _try_once(setup: "Setup", number: int, fault: str, seed: int, *, as_json: bool) -> int:
-    """Try once, and print all events."""
+    """Run one trial, and print its events."""
     from lbr.simulation.trials.faults import EVERY  # noqa: PLC0415 - kept out of its `--help`
     from lbr.simulation.trials.trying import made  # noqa: PLC0415
 
@@ -204,7 +204,7 @@ def _setup(
     max_s: float | None,
     begins: "Begins | None",
 ) -> "Setup":
-    """Return what the trials need: the robot's processes as its rows plan them, with the table."""
+    """Return the setup of trials; raise InputError without the extra 'sim'."""
     if find_spec("mujoco") is None:
         raise InputError("trials need the extra 'sim': pip install 'lbr[sim]'", "not_possible")
     longest_s = max_s or (table.max_s if 0.0 < table.max_s <= LONGEST_S else WITHOUT_END_S)
@@ -219,7 +219,7 @@ def setup_of(
     home: str,
     begins: "Begins | None" = None,
 ) -> "Setup":
-    """Return what trials of a table by a robot of these rows need; InputError says why it cannot be tried."""
+    """Return the setup of trials: these rows' processes with the table; raise InputError if it cannot be tried."""
     from lbr.simulation.trials.trial import HUMANOID, RUNS, WORLD, Setup  # noqa: PLC0415
 
     plan, problems = planned(rows)
