@@ -1,6 +1,6 @@
-"""The past: the black box that runs beside the robot, recordings on purpose, and the commands that look at both.
+"""The past: the black box beside the robot, recordings on purpose, and the commands for both.
 
-`box` writes, `recording` reads and writes the files, `rerun` checks a recording against capabilities that run now.
+`box` writes, `recording` reads and writes the files, and `rerun` checks a recording against today's capabilities.
 """
 
 from lbr.component import CliCommand, Component

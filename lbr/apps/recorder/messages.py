@@ -15,16 +15,17 @@ WallNs = Annotated[int, Meta(ge=0, description="since 1970, by the robot's clock
 
 
 class MarkCommand(Struct, frozen=True, kw_only=True):
-    """Keep what led here, and a while after; `text`: what was noticed."""
+    """Keep the records up to now, and of a while after; `text`: the observation."""
 
     text: Text = ""
 
 
 class RecordCommand(Struct, frozen=True, kw_only=True):
-    """Record into a file of its own, for `seconds`; 0: until it is ended.
+    """Record into a separate file, for `seconds`; 0: until it is ended.
 
     `cameras`: with every picture. `lines`: with the bytes of the devices' lines, all commands and answers. `name`: of
-    the file; else made of the time.
+    the
+    file; else made of the time.
     """
 
     seconds: Annotated[float, Meta(ge=0.0, le=86400.0)] = 0.0
@@ -57,14 +58,14 @@ class HistoryReply(Struct, frozen=True, kw_only=True):
 
 
 class ThenCommand(Struct, frozen=True, kw_only=True):
-    """Explain why a part stood still at a moment; without `part` the whole robot."""
+    """Explain why a part, or without `part` the whole robot, stood still at a moment."""
 
     at_ns: WallNs
     part: Text = ""
 
 
 class ThenReply(Struct, frozen=True, kw_only=True):
-    """The answer; `late_s`: from the last record to that moment."""
+    """The answer; `late_s`: the time from the last record to that moment."""
 
     accepted: bool
     reason: str = ""
@@ -75,7 +76,7 @@ class ThenReply(Struct, frozen=True, kw_only=True):
 
 
 class BoxReply(Struct, frozen=True, kw_only=True):
-    """The result; `path`: the file, or the folder of what is kept."""
+    """The result; `path`: the file, or the folder of a kept incident."""
 
     accepted: bool
     reason: str = ""
@@ -86,9 +87,9 @@ class BoxReply(Struct, frozen=True, kw_only=True):
 class BoxState(Struct, frozen=True, kw_only=True):
     """The state of the box: its writes since it started, its losses, and its files.
 
-    `lost`: messages not written, by a slow or full disk or their rate. `disk_mb`: the box's own
-    files; `kept_mb`: those kept for longer; `kept`: how often that was. `recording`: the file of a recording on
-    purpose, of `recording_mb`, for `recording_s` more. `trouble`: the problem, in one line.
+    `lost`: messages not written, because the disk is slow or full or they are too many. `disk_mb`: the box's own files;
+    `kept_mb`: those of the `kept` incidents. `recording`: the file of a recording on purpose, of `recording_mb` and
+    `recording_s` so far. `trouble`: the problem, in one line.
     """
 
     messages: int = 0

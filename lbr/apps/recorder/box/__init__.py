@@ -1,5 +1,5 @@
-"""The black box: every stream, event and line of a log, always, into files that survive a power cut.
+"""The black box: every stream, event and log line, at all times, in files that survive a power cut.
 
-`inbox` receives from the bus, `logs` reads what processes write, `disk` writes beside the main loop, `keeping` decides what is
-kept for longer, `clock` dates what others say. It only listens, and nothing waits for it.
+`inbox` receives from the bus, `logs` reads the processes' logs, and `disk` writes beside the main loop. `keeping`
+decides which files stay longer, and `clock` dates the messages. The box only listens, and nothing waits for it.
 """

@@ -1,4 +1,4 @@
-"""The box as a process: once a round it takes what has arrived, dates it, and hands it to the disk's thread."""
+"""The box as a process: once a round it takes the new messages, dates them, and passes them to the disk's thread."""
 
 import fnmatch
 import time
@@ -42,12 +42,12 @@ TELL_S = 5.0
 FORMAT = "1"
 TAPED = "@taped/"
 EVENTS = 50
-"""As many as the executive has when it is asked why something stands still."""
+"""The newest events, which a new file repeats; the executive has as many to explain why something stands still."""
 MB = 1_000_000
 
 
 class _Answer(Struct):
-    """As much of a console's answer as is needed."""
+    """The part of a console's answer that the box reads."""
 
     code: int
     text: str = ""
@@ -59,7 +59,7 @@ class _Revision(Struct):
 
 
 class Output:
-    """The part of a round that goes into one file, and the time of a new one."""
+    """The part of a round that goes into one file, and the time of the next file."""
 
     def __init__(self, disk: Disk, segment_s: float | None) -> None:
         self.disk = disk
@@ -70,7 +70,7 @@ class Output:
         self._bytes = self._first_ns = self._last_ns = 0
 
     def is_due(self, now: float) -> bool:
-        """Return whether another file is to begin."""
+        """Return whether to begin another file."""
         return self.disk.broken or (self._segment_s is not None and now - self._begun >= self._segment_s)
 
     def add(self, number: int, sequence: int, log_ns: int, publish_ns: int, data: bytes) -> None:
@@ -83,7 +83,10 @@ class Output:
         self._last_ns = max(self._last_ns, log_ns)
 
     def flush(self, channels: Channels, now: float, begin: dict[str, str] | None, declared: bytes) -> None:
-        """Hand over what there is; `declared` are schemas that no file had before, all of them where one begins."""
+        """Write the messages of this round.
+
+        `declared` are the schemas new since the last round, or all in a new file.
+        """
         if not self._parts:
             return
         head = [declared, channels.of(sorted(self._numbers))]
@@ -96,7 +99,7 @@ class Output:
 
 
 class Box(Capability[BoxSettings]):
-    """Raises DeviceError where it has no home to write to, or no bus."""
+    """The black box. Raises DeviceError without a home to write to, or without a bus."""
 
     rate_hz = 1.25
     woken_by_streams = False
@@ -127,7 +130,7 @@ class Box(Capability[BoxSettings]):
         self._jumped = ""
 
     def open(self) -> None:
-        """Begin to hear, and to write."""
+        """Begin to record."""
         bus = getattr(self.ctx, "bus", None)
         if not self.ctx.home or bus is None:
             raise DeviceError("the black box writes where the robot's home is: leave it on the robot's own host")
@@ -147,7 +150,7 @@ class Box(Capability[BoxSettings]):
         )
 
     def step(self) -> None:
-        """Take what came, and hand it over; once a round, and not at every beat of the process."""
+        """Record the messages of a round; other beats of the process only answer questions about the past."""
         self._past.step()
         if not self.ctx.on_tick or self._inbox is None or self._box_output is None:
             return
@@ -168,7 +171,7 @@ class Box(Capability[BoxSettings]):
         self._publish_state(now)
 
     def command(self, call: Call) -> None:
-        """Keep what led here, or record on purpose."""
+        """Keep the files that led here, record on purpose, or answer a question about the past."""
         message = call.message
         if isinstance(message, MarkCommand):
             call.reply(self._mark(message.text or f"marked by {call.source}"))
@@ -184,7 +187,7 @@ class Box(Capability[BoxSettings]):
             super().command(call)
 
     def close(self) -> None:
-        """Write what was heard until now, and end the files in order."""
+        """Write the remaining messages, and finish the files."""
         self._past.close()
         output, self._box_output = self._box_output, None
         if output is None or self._inbox is None:
@@ -244,7 +247,7 @@ class Box(Capability[BoxSettings]):
         output.add(arrival.number, arrival.sequence, log_ns, arrival.publish_ns, arrival.data)
 
     def _repeat(self, output: Output) -> None:
-        """Let a new file begin with the rows, and with what each stream said last: it is to be understood by itself."""
+        """Begin a new file with the rows and the newest message of each stream, so that it stands by itself."""
         if self._rows:
             at_ns = self._clock.dated(self._clock.now_ns)
             output.add(self._channels.number(ALL_ROWS), 0, at_ns, at_ns, self._rows)
@@ -277,10 +280,10 @@ class Box(Capability[BoxSettings]):
         if status is not None:
             self._revision = status.revision
 
-    # -- what is recorded ----------------------------------------------------------------------------------------------
+    # -- the streams to record -----------------------------------------------------------------------------------------
 
     def _describe(self, now: float) -> None:
-        """Ask what there is to hear, and for the rows: at first, and whenever they are of another revision."""
+        """Ask for the streams and rows: at first, and after each new revision."""
         known = self._streams.revision if self._streams is not None else -1
         if not self._questions and now >= self._ask_at and (known < 0 or self._revision not in {-1, known}):
             self._ask_at = now + AGAIN_S
@@ -328,7 +331,7 @@ class Box(Capability[BoxSettings]):
 
         self._inbox.follow(self._streams.streams, wanted, pictures=recording is not None and self._with_cameras)
 
-    # -- what people ask for -------------------------------------------------------------------------------------------
+    # -- commands ------------------------------------------------------------------------------------------------------
 
     _with_cameras = False
 
@@ -388,7 +391,7 @@ class Box(Capability[BoxSettings]):
         self.ctx.event("recorded", text, level="warning" if lost else "info")
         return BoxReply(accepted=True, reason=text, path=str(path or ""))
 
-    # -- what it publishes ---------------------------------------------------------------------------------------------
+    # -- reports -------------------------------------------------------------------------------------------------------
 
     def _publish_state(self, now: float) -> None:
         output = self._box_output

@@ -1,7 +1,7 @@
-"""Dates what is recorded: by the time that each message was sent, on one clock that never jumps within a file. Pure.
+"""Dates recorded messages by the time they were sent, on one clock that never jumps within a file. Pure.
 
-A file's times are monotonic ones, moved once to the wall clock as it was when the file was begun. When the wall clock
-jumps, another file is begun.
+A file's times are monotonic, with the offset of the wall clock when the file was begun. After a jump of the wall clock
+another file is begun.
 """
 
 from collections.abc import Callable
@@ -12,7 +12,7 @@ STEADY_S = 600.0
 
 
 class Clock:
-    """Turns stamps into times of a recording; `mono_ns` and `wall_ns` read the clocks of this machine."""
+    """Converts stamps to times of a recording; `mono_ns` and `wall_ns` read the clocks of this machine."""
 
     def __init__(self, boot: str, mono_ns: Callable[[], int], wall_ns: Callable[[], int]) -> None:
         self._boot = boot
@@ -24,7 +24,7 @@ class Clock:
         self.now_ns = mono_ns()
 
     def look(self) -> int:
-        """Look at the clocks; return by how many nanoseconds the wall clock has jumped, 0 if it has not."""
+        """Read both clocks; return the jump of the wall clock in nanoseconds, or 0."""
         self.now_ns = self._mono_ns()
         offset = self._wall_ns() - self.now_ns
         jump = offset - self.offset_ns
@@ -35,11 +35,11 @@ class Clock:
 
     @property
     def is_steady(self) -> bool:
-        """True if the wall clock has gone on evenly for so long that ages may be judged by it."""
+        """Whether the wall clock has had no jump for so long that ages may be judged by it."""
         return self.now_ns - self._since_ns > STEADY_S * 1e9
 
     def sent_ns(self, boot: str, mono_ns: int) -> int:
-        """Return when a message was sent, by our monotonic clock; of another machine as near as can be told."""
+        """Return when a message was sent, by this machine's monotonic clock; an estimate for another machine."""
         if boot == self._boot and boot:
             return mono_ns if 0 < mono_ns <= self.now_ns else self.now_ns
         if not boot or not 0 < mono_ns < MOST_NS:
@@ -53,5 +53,5 @@ class Clock:
         return min(self.now_ns, mono_ns + known)
 
     def dated(self, mono_ns: int) -> int:
-        """Return a monotonic time as one of the recording."""
+        """Convert a monotonic time to one of the recording."""
         return min(MOST_NS, max(0, mono_ns + self.offset_ns))

@@ -1,5 +1,7 @@
-"""Writes chunks in a thread of its own, so that a slow disk holds up nothing; what it cannot take in time is dropped,
-and counted."""
+"""Writes chunks in its own thread, so that a slow disk delays nothing.
+
+Chunks that the disk cannot take in time are dropped and counted.
+"""
 
 import calendar
 import errno
@@ -19,17 +21,17 @@ from lbr.apps.recorder.recording.shelf import Shelf, size_of
 
 MOST_WAITING_BYTES = 16_000_000
 LARGEST_BYTES = 64_000_000
-"""Of one file of the box: with cameras it may be full before its time."""
+"""The largest file of the box; with cameras a file may be full before its time is over."""
 PRUNE_S = 10.0
 MOST_LINKED = 40
 SLOW_S = 2.0
 CLOSE_S = 0.4
 FULL = frozenset([errno.ENOSPC, errno.EDQUOT])
-"""The writes that an old file would make room for; after any other failure, old files stay."""
+"""The errors after which an old file is deleted for room; after any other failure old files stay."""
 
 
 class Chunk(Struct):
-    """The data of one round; `begin` is the head of a new file, and has it begun."""
+    """The records of one round. With `begin`, the head of a new file, the chunk begins that file."""
 
     parts: list[bytes]
     messages: int
@@ -40,7 +42,7 @@ class Chunk(Struct):
 
 
 class Bounds(Struct, frozen=True, kw_only=True):
-    """The bounds on size and age."""
+    """The bounds on size and age of the box's files."""
 
     bytes: int
     seconds: float
@@ -49,8 +51,7 @@ class Bounds(Struct, frozen=True, kw_only=True):
     free_bytes: int
 
     def lacks_room(self, folder: Path) -> str:
-        """Return why others have too little room on a folder's disk, or that it is gone; empty while they have
-        enough."""
+        """Return why a folder's disk has too little room for others, or cannot be read; empty if it has room."""
         try:
             status = os.statvfs(folder)
         except OSError as err:
@@ -63,11 +64,11 @@ class Bounds(Struct, frozen=True, kw_only=True):
 
 
 class Disk:
-    """Writes one file after the other, where `place` says. Any thread may read its reports.
+    """Writes one file after the other, at the paths from `place`. Any thread may read its reports.
 
-    With `shelf` and `bounds` it is the box: old files go, and what is kept is linked. `trouble` is what is wrong, in
-    one line. After a failure it takes nothing until a chunk begins another file (`broken`). Without a shelf there is
-    one file alone, which then goes on.
+    With `shelf` and `bounds` it is the box: it deletes old files and links the kept ones. Without them it writes one
+    file.
+    `trouble` is the problem in one line. After a failure (`broken`) the box drops chunks until one begins another file.
     """
 
     def __init__(
@@ -92,7 +93,7 @@ class Disk:
         self._thread.start()
 
     def put(self, chunk: Chunk) -> bool:
-        """Have a chunk written soon; False: it was dropped, because the disk is too slow."""
+        """Queue a chunk to be written; False if it was dropped because the disk is too slow."""
         if self._waiting_bytes + chunk.bytes > MOST_WAITING_BYTES and self._waiting_bytes:
             self.lost += chunk.messages
             self.trouble = "the disk is too slow: what it does not take in time is not recorded"
@@ -102,11 +103,11 @@ class Disk:
         return True
 
     def keep(self, one: Keep) -> None:
-        """Have what led here kept."""
+        """Keep the files around an incident."""
         self._jobs.put(one)
 
     def close(self, within_s: float = CLOSE_S) -> None:
-        """Write what waits, end the file, and stop; what a disk does not take in time is lost."""
+        """Write the queue, finish the file, and stop; what is not written within `within_s` is lost."""
         self._jobs.put(None)
         self._thread.join(within_s)
 
@@ -163,7 +164,7 @@ class Disk:
             self._link(one, [self.path])
 
     def _leave_room(self) -> None:
-        """Delete old files while others have too little room on the disk; OSError if that does not help."""
+        """Delete old files while the disk has too little room for others; raise OSError if that does not help."""
         assert self._shelf is not None
         assert self._bounds is not None
         while lacks := self._bounds.lacks_room(self._shelf.box):
@@ -193,8 +194,7 @@ class Disk:
         self._link(keep, [] if known else self._before(keep))
 
     def _before(self, keep: Keep) -> list[Path]:
-        """Return the newest files, up to as long ago as what led to an incident; by their numbers, whatever the clock
-        says."""
+        """Return the newest files that cover the time before an incident, in the order of their numbers."""
         assert self._shelf is not None
         files, chosen, seconds = self._shelf.files(), [], 0.0
         for path in reversed(files[-MOST_LINKED:]):
@@ -224,7 +224,7 @@ class Disk:
 
 
 def _length_s(path: Path) -> float:
-    """Return about how long a file is, by the times of its name and of its last change."""
+    """Return about how long a file is, from the time in its name to its last change."""
     try:
         begun = calendar.timegm(time.strptime(path.name[9:25], "%Y%m%dT%H%M%SZ"))
         return min(3600.0, max(0.0, path.stat().st_mtime - begun))

@@ -1,4 +1,4 @@
-"""What comes on the bus: the bus library keeps it, and once in a while all of it is taken."""
+"""The messages from the bus: the bus library queues them, and the box takes all of them once a round."""
 
 import base64
 import functools
@@ -20,7 +20,7 @@ from lbr.messages.taped import Taped
 from lbr.messages.unreadable import UNREADABLE
 
 DEPTH = 512
-"""Of a stream of 100 Hz five seconds, should the machine be too busy to let us take them."""
+"""The queue of a stream: five seconds at 100 Hz, in case the machine is too busy to take messages."""
 EVENTS_DEPTH = 2048
 PICTURES_DEPTH = 64
 TAPED_DEPTH = 4096
@@ -53,7 +53,7 @@ ALL_ROWS = Channel(ROWS, "json", "Rows", b'{"type":"object"}')
 
 
 class _Stamp(Struct, gc=False):
-    """As much of a stamp as dates a message."""
+    """The fields of a stamp that date a message."""
 
     seq: int = 0
     mono_ns: int = 0
@@ -66,7 +66,7 @@ _NO_STAMP = _Stamp()
 
 
 class Arrival(NamedTuple):
-    """A message as it is recorded; `mono_ns` is when it was sent by our clock."""
+    """A message as it is recorded; `mono_ns` is the time it was sent, by this machine's clock."""
 
     topic: str
     number: int
@@ -86,12 +86,12 @@ class _Feed:
         self.number = number
         self.picture = picture
         self.counts = not topic.startswith("@")
-        """Events have many senders, each with numbers of its own."""
+        """Whether gaps in the numbers count as losses. Events have many senders, each with its own numbers."""
         self.last = 0
 
 
 class Inbox:
-    """Hears the streams of a robot, its events and its status. One thread uses it."""
+    """Receives the streams of a robot, its events and its status. One thread uses it."""
 
     def __init__(self, bus: Session, robot: str, source: str, channels: Channels, clock: Clock) -> None:
         self.lost = 0
@@ -109,7 +109,7 @@ class Inbox:
         self._subscribe(keys.status(robot), STATUS, _channel(STATUS, Status), 64)
 
     def follow(self, streams: Collection[RecordedStream], wanted: Callable[[str], bool], *, pictures: bool) -> None:
-        """Hear these streams, and no others; every picture only if so asked."""
+        """Subscribe to these streams alone; to camera streams only with `pictures`."""
         wanted_streams = {stream.key: stream for stream in streams if wanted(self._topic(stream.key))}
         self._cameras = {key: stream for key, stream in wanted_streams.items() if stream.picture}
         plain = {key: stream for key, stream in wanted_streams.items() if pictures or not stream.picture}
@@ -127,8 +127,10 @@ class Inbox:
                 )
 
     def subscribe_lines(self, *, on: bool) -> None:
-        """Hear the bytes of lines, and commands, of every capability, or no longer: only while they are heard they are
-        told."""
+        """Subscribe to every capability's device bytes and commands, or end that.
+
+        They are published only while somebody does.
+        """
         if on and self._taped is None:
             self._taped = wire.PolledSubscription(self._bus, keys.taped(self._robot, "*"), depth=TAPED_DEPTH)
         elif not on and self._taped is not None:
@@ -136,7 +138,7 @@ class Inbox:
             self._taped = None
 
     def ask_for_pictures(self) -> None:
-        """Ask each camera for its newest picture; it comes with a later round."""
+        """Query each camera for its newest picture; a later `take` yields it."""
         for key, stream in self._cameras.items():
             if key not in self._feeds:
                 try:
@@ -146,7 +148,7 @@ class Inbox:
                 self._asked.append((stream, query))
 
     def take(self) -> Iterator[Arrival]:
-        """Yield what came since the last call, stream by stream."""
+        """Yield the messages since the last call, stream by stream."""
         for feed in self._feeds.values():
             for raw in feed.subscription.take():
                 stamp = _stamp_of(raw.attachment)
@@ -161,7 +163,7 @@ class Inbox:
         yield from self._pictures()
 
     def close(self) -> None:
-        """Hear no more."""
+        """End all subscriptions."""
         self.subscribe_lines(on=False)
         for feed in self._feeds.values():
             feed.subscription.close()
@@ -204,7 +206,7 @@ class Inbox:
 
 
 def image(data: bytes, frame: str, at_ns: int) -> bytes:
-    """Return a picture as viewers of recordings know one."""
+    """Return a picture in the form that viewers of recordings read."""
     return msgspec.json.encode(
         {
             "timestamp": {"sec": at_ns // 1_000_000_000, "nsec": at_ns % 1_000_000_000},
@@ -216,7 +218,7 @@ def image(data: bytes, frame: str, at_ns: int) -> bytes:
 
 
 def line(writer: str, text: str, at_ns: int) -> bytes:
-    """Return a line of a log as viewers of recordings know one."""
+    """Return a log line in the form that viewers of recordings read."""
     return msgspec.json.encode(
         {
             "timestamp": {"sec": at_ns // 1_000_000_000, "nsec": at_ns % 1_000_000_000},

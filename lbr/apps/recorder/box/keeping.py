@@ -1,4 +1,4 @@
-"""Decides what is kept for longer: what led to an emergency stop, a crash, a fault, a fall or a mark. Pure."""
+"""Decides which files stay longer: those around an emergency stop, a crash, a fault, a fall or a mark. Pure."""
 
 import time
 from collections import deque
@@ -25,11 +25,11 @@ KINDS = frozenset(
 )
 MARK = "mark"
 MOST_OF_ONE, WITHIN_S = 6, 3600.0
-"""An event that repeats does not push out a single one."""
+"""The most incidents of one sort within an hour: an event that repeats must not push out a single one."""
 
 
 class Keep(Struct):
-    """Something that is kept, under its name, for as long as what comes belongs to it."""
+    """A kept incident by name; files up to `until` belong to it."""
 
     name: str
     why: Incident
@@ -38,7 +38,10 @@ class Keep(Struct):
 
 
 class Keeping:
-    """The incident being kept; `before_s` and `after_s` surround it, and others within that time join."""
+    """The incidents of late.
+
+    Files of `before_s` and `after_s` around each are kept; the same incident within that time joins.
+    """
 
     def __init__(self, before_s: float, after_s: float) -> None:
         self._before_s = before_s
@@ -47,13 +50,13 @@ class Keeping:
         self._times: dict[tuple[str, str], deque[float]] = {}
 
     def event(self, event: Event, now: float, wall_ns: int) -> Keep | None:
-        """Return what is to be kept because of an event, None if nothing is."""
+        """Return what to keep because of an event, or None."""
         if event.kind not in KINDS or event.data.get("latched_before"):
             return None
         return self.incident(event.kind, event.subject, event.text, now, wall_ns)
 
     def incident(self, kind: str, subject: str, text: str, now: float, wall_ns: int) -> Keep | None:
-        """Return what is to be kept because of an incident, None if it is one too many of its sort."""
+        """Return what to keep because of an incident; None if there were too many of its sort."""
         key = kind, subject
         current = self._now.get(key)
         if current is not None and now < current.until + self._before_s:

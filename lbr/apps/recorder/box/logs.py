@@ -1,4 +1,4 @@
-"""The lines that the robot's processes write to their logs, as they come."""
+"""The lines that the robot's processes write to their logs."""
 
 import contextlib
 import os
@@ -6,12 +6,12 @@ from collections.abc import Collection, Iterator
 from pathlib import Path
 
 MOST_BYTES = 256_000
-"""Of one log in one round; what is more is left out, and said so."""
+"""The most bytes of one log in one round; the rest is left out, and a line marks the gap."""
 LONGEST = 4000
 
 
 class Logs:
-    """Follows the logs of one robot, from where they end now."""
+    """Follows the logs of one robot, from their present ends."""
 
     def __init__(self, folder: Path, robot: str) -> None:
         self._folder = folder
@@ -22,7 +22,7 @@ class Logs:
             self._read[name] = size
 
     def take(self, programs: Collection[str]) -> Iterator[tuple[str, str]]:
-        """Yield who has written which line since; `programs` are external commands, whose logs bear no robot's name."""
+        """Yield the writer and text of each new line; `programs` are external commands, whose logs name no robot."""
         for name, size in self._sizes(programs):
             begun = self._read.get(name, 0)
             if size == begun:

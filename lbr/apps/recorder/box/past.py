@@ -1,4 +1,4 @@
-"""Answers out of the files of the box: on a thread, for reading takes a while, and one question at a time."""
+"""Answers from the box's files, read on a thread one question at a time, as reading takes a while."""
 
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -19,7 +19,7 @@ MOST_WAITING = 4
 
 
 class Past:
-    """The questions under way, oldest first."""
+    """The pending questions, oldest first."""
 
     def __init__(self, ctx: Context[Any], shelf: Shelf) -> None:
         self._ctx = ctx
@@ -28,7 +28,7 @@ class Past:
         self._asked: list[tuple[Call, Future[Struct]]] = []
 
     def ask(self, call: Call, read: Callable[[Shelf, Any], Struct]) -> None:
-        """Read the answer of a question on the thread."""
+        """Queue a question; the thread reads its answer."""
         if len(self._asked) >= MOST_WAITING:
             call.refuse("other questions about the past are being answered; ask again", "busy")
             return
@@ -37,7 +37,7 @@ class Past:
         self._asked.append((call, reading))
 
     def step(self) -> None:
-        """Answer what has been read."""
+        """Send the answers that are ready."""
         done = [one for one in self._asked if one[1].done()]
         self._asked = [one for one in self._asked if one not in done]
         for call, reading in done:
@@ -45,22 +45,22 @@ class Past:
                 call.reply(reading.result())
             except InputError as err:
                 call.refuse(str(err), err.code)
-            except OSError as err:  # a file went while it was read, as the oldest do
+            except OSError as err:  # the oldest files may be deleted during a read
                 call.refuse(f"the box cannot be read: {err}", "unreachable")
 
     def close(self) -> None:
-        """Answer nothing more."""
+        """Drop the pending questions."""
         self._pool.shutdown(wait=False, cancel_futures=True)
 
 
 def read_history(shelf: Shelf, asked: HistoryCommand) -> HistoryReply:
-    """Return the numbers that a question is about."""
+    """Return the requested numbers."""
     found = history(shelf.files(), asked.fields, asked.from_ns, asked.to_ns, asked.points)
     return HistoryReply(accepted=True, at_ms=found.at_ms, values=found.values)
 
 
 def read_then(shelf: Shelf, asked: ThenCommand) -> ThenReply:
-    """Return why something stood still then; InputError if the moment was not recorded."""
+    """Return why something stood still at a moment; raise InputError if the moment was not recorded."""
     then = moment(tuple(shelf.files()), asked.at_ns)
     why = explain(snapshot(then), asked.part)
     return ThenReply(accepted=True, state=why.state, text=why.text, code=why.code, late_s=then.late_s)

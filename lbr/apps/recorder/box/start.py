@@ -1,5 +1,4 @@
-"""The box as it is started: in a checkout that was updated without its packages it is degraded, and says what to
-install."""
+"""The box as it is started: degraded in a checkout that was updated without its packages."""
 
 from lbr.apps.recorder.box.kind import BoxSettings
 from lbr.capability.base import Capability
@@ -14,10 +13,10 @@ except ImportError as err:
     lacking = err.name or "a package"
 
     class Missing(Capability[BoxSettings]):
-        """Records nothing, and says why."""
+        """A box without its packages, which records nothing."""
 
         def open(self) -> None:
-            """Say what to install."""
+            """Raise DeviceError with the command that installs them."""
             raise DeviceError(f"'{lacking}' is not installed, so nothing is recorded: run pip install -e . again")
 
     Box = Missing

@@ -1,4 +1,4 @@
-"""A recorded moment as `why` asks about it."""
+"""A recorded moment in the form that `why` explains."""
 
 import msgspec
 
@@ -8,11 +8,11 @@ from lbr.messages.unreadable import UNREADABLE
 from lbr.why.snapshot import Facts, Said, Snapshot
 
 SILENT_S = 3.0
-"""A robot that runs says something each second."""
+"""A robot that runs publishes something each second."""
 
 
 def snapshot(moment: Moment) -> Snapshot:
-    """Return a moment as a snapshot for `why`; raise InputError if its rows were not recorded."""
+    """Return the snapshot of a moment for `why`; raise InputError if its rows were not recorded."""
     if moment.rows is None:
         raise InputError("the rows of then are not in the recording, and without them nothing can be explained")
     try:

@@ -1,4 +1,4 @@
-"""`lbr at`: the answers of then."""
+"""`lbr at`: answers as of a past moment."""
 
 import time
 from datetime import UTC, datetime
@@ -23,7 +23,7 @@ from lbr.why.chain import explain
 
 Tables = dict[str, list[dict[str, object]]]
 SURE = "capability"
-"""The table by which it is told whether rows are the same."""
+"""The table that decides whether two sets of rows are the same."""
 
 
 @click.command("at")
@@ -100,10 +100,11 @@ def _rows(at_ns: int, table: str, robot: str | None, place: str, database: Path 
 
 
 def _tables(at_ns: int, robot: str | None, place: str, database: Path | None) -> tuple[int, Tables, str]:
-    """Return the revision of then, the rows, and where they are from: their own past, or a recording.
+    """Return the revision and rows of a moment, and their source: the database's own history, or a recording.
 
-    Their own past has each edit at its moment; a recording has it once the executive has taken it in. But the recorded
-    rows may have been replaced since.
+    The history has each edit at its moment; a recording has it once the executive has applied it. A recording wins if
+    the
+    database was replaced since.
     """
     path = database or home.default_database()
     recorded, name = (None, robot) if database else _recorded(at_ns, robot, place)
@@ -115,7 +116,7 @@ def _tables(at_ns: int, robot: str | None, place: str, database: Path | None) ->
 
 
 def _recorded(at_ns: int, robot: str | None, place: str) -> tuple[RecordedRows | None, str | None]:
-    """Return the rows of then as they were recorded, if they were, and whose they are."""
+    """Return the recorded rows of a moment, or None, and their robot."""
     try:
         then = _moment(at_ns, robot, place)
     except InputError:
@@ -127,7 +128,7 @@ def _recorded(at_ns: int, robot: str | None, place: str) -> tuple[RecordedRows |
 
 
 def _goes_back_to(path: Path, recorded: RecordedRows, robot: str | None) -> bool:
-    """Return whether a database had these rows: it was not replaced by another one."""
+    """Return whether the database's history has these rows, so it was not replaced."""
     if not path.exists():
         return False
     with opened(path) as rows:
@@ -146,7 +147,7 @@ def _past(path: Path, at_ns: int, robot: str | None) -> tuple[int, Tables]:
 
 
 def _of(tables: RawTables, robot: str | None) -> Tables:
-    """Return the rows of one robot, without tokens; of all without a name."""
+    """Return the rows of one robot, of all without a name; tokens are left out."""
     return {
         name: [dict(row) for row in found if robot is None or row.get("robot", row.get("name", robot)) == robot]
         for name, found in tables.items()

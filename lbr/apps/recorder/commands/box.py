@@ -1,4 +1,4 @@
-"""`lbr box`: what the black box holds, whether a robot runs or not."""
+"""`lbr box`: the contents of the black box, whether a robot runs or not."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -30,7 +30,7 @@ MB = 1_000_000
 
 
 def which_robot(function: F) -> F:
-    """Add --robot; the command gets it as `robot`."""
+    """Add --robot; the command receives it as `robot`."""
     return click.option("--robot", metavar="NAME", help="Whose; the only one with recordings if left out.")(function)
 
 
@@ -173,7 +173,7 @@ def export(
 def delete(names: tuple[str, ...], robot: str | None) -> int:
     """Delete WHAT: what the box kept or a recording, by name; box for all of its own files but the one it writes."""
     _name, place = of_robot(robot)
-    if "" in names:  # as an unset variable of a shell is: it means the box where something is shown
+    if "" in names:  # an unset shell variable, which would mean the whole box
         raise InputError("nothing is named that is to be deleted; 'lbr box list' shows what there is")
     chosen = [(recording, selection.choose(place, recording)) for recording in names]
     folders = {recording.path.name: recording.path for recording in place.incidents()}
@@ -200,7 +200,7 @@ def delete(names: tuple[str, ...], robot: str | None) -> int:
 
 
 def of_robot(robot: str | None) -> tuple[str, Shelf]:
-    """Return whose recordings are meant, and where they are; InputError says which there are."""
+    """Return the chosen robot and its recordings; raise InputError with the choices."""
     place = home.home()
     known = shelf.robots(place)
     if robot is None:
@@ -222,7 +222,7 @@ def of_robot(robot: str | None) -> tuple[str, Shelf]:
 def selected(
     recording: str, robot: str | None, begin: str | None, end: str | None, around: str | None
 ) -> tuple[Chosen, int, int]:
-    """Return what is meant, and from when to when; InputError says what there is."""
+    """Return the chosen recording and time span; raise InputError with the choices."""
     start_ns, end_ns = span(begin, end, around)
     if recording and Path(recording).is_file():
         return selection.choose(shelf.Shelf(home.home(), "none"), recording), start_ns, end_ns
@@ -230,7 +230,7 @@ def selected(
 
 
 def span(begin: str | None, end: str | None, around: str | None) -> tuple[int, int]:
-    """Return the times that are meant; InputError for what is no time, or ends before it begins."""
+    """Parse the time span; raise InputError for a bad time, or an end before the beginning."""
     now = time.time_ns()
     if around is not None:
         if begin is not None or end is not None:
@@ -245,7 +245,7 @@ def span(begin: str | None, end: str | None, around: str | None) -> tuple[int, i
 
 
 class _Topic(Struct):
-    """The messages of a topic: how many, of which size together, and of which type."""
+    """The messages of a topic: their number, total size and type."""
 
     messages: int
     bytes: int

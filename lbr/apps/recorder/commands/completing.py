@@ -1,4 +1,4 @@
-"""The completions of a shell for commands that look at recordings."""
+"""Shell completions for the commands that read recordings."""
 
 from contextlib import suppress
 
@@ -12,7 +12,7 @@ from lbr.errors import LbrError
 
 
 def complete_recording(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Return what the box kept, and what was recorded on purpose."""
+    """Return the kept incidents and the recordings."""
     with suppress(LbrError, OSError):
         shelves = [shelf.Shelf(home.home(), robot) for robot in shelf.robots(home.home())]
         kept = [(one.path.name, one.why.text if one.why else "") for here in shelves for one in here.incidents()]

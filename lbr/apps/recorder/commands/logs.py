@@ -21,7 +21,7 @@ MOST_LINES = 10_000
 
 
 def complete_log(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Return the logs that there are, to complete a command line by."""
+    """Complete the name of a log."""
     there = _names(home.home() / "logs", None)
     found = {*there, *(one for one, log in _sharing() if log in there)}
     return [CompletionItem(name) for name in sorted(found) if name.startswith(begun)]
@@ -79,7 +79,7 @@ def command(name: str, robot: str | None, follow: bool, lines: int, begin: str |
 
 
 def _names(folder: Path, robot: str | None) -> dict[str, Path]:
-    """Return the logs by `robot/capability`, or the name of an external command."""
+    """Return the logs by `robot/capability`, or by the name of an external command."""
     logs = {}
     for path in sorted(folder.glob("*.log")):
         owner, dash, part = path.stem.rpartition("-")
@@ -90,8 +90,11 @@ def _names(folder: Path, robot: str | None) -> dict[str, Path]:
 
 
 def _chosen(name: str, logs: Collection[str]) -> list[str]:
-    """Return the logs that a name means: of a capability that shares a process that one's; one from before has its
-    whole name alone, as the list shows it."""
+    """Return the logs that a name stands for.
+
+    A capability within a shared process stands for that process's log. An older log of its own needs its whole name, as
+    the list shows it.
+    """
     if "/" in name and name in logs:
         return [name]
     shared = {part: log for part, log in _sharing() if log in logs}
@@ -100,18 +103,18 @@ def _chosen(name: str, logs: Collection[str]) -> list[str]:
 
 
 def _means(name: str, one: str) -> bool:
-    """Return whether a name means one of `robot/capability`, with or without its robot."""
+    """Return whether a name stands for a `robot/capability`, with or without the robot."""
     return name in {one, one.rpartition("/")[2]}
 
 
 def _sharing() -> list[tuple[str, str]]:
-    """Return each capability that has a process with others, and that process, by their robot and name."""
+    """Return each capability in a shared process, and the process, as `robot/name`."""
     rows = glance.rows(home.default_database(), "capability", "robot", "name", "process")
     return [(f"{robot}/{name}", f"{robot}/{process}") for robot, name, process in rows if process]
 
 
 def _tail(path: Path, lines: int) -> tuple[list[str], int]:
-    """Return the last lines of a log, and where it ended then."""
+    """Return the last lines of a log, and its size then."""
     try:
         with path.open("rb") as file:
             size = os.fstat(file.fileno()).st_size
@@ -123,7 +126,7 @@ def _tail(path: Path, lines: int) -> tuple[list[str], int]:
 
 
 def _followed(path: Path, at: int) -> Iterator[str]:
-    """Yield lines as they are written, without end; a log that was cut or made anew begins again."""
+    """Yield lines as they are written, without end; start over in a log that was cut or replaced."""
     rest = b""
     while True:
         try:
@@ -156,5 +159,5 @@ def _recorded(name: str, robot: str | None, begin: str | None, end: str | None) 
 
 
 def _clean(text: str) -> str:
-    """Return a line that cannot move the terminal's cursor; a tab stays one."""
+    """Replace characters that move the terminal's cursor; tabs stay."""
     return "".join(one if one.isprintable() or one == "\t" else "?" for one in text)

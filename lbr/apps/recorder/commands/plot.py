@@ -1,4 +1,4 @@
-"""`lbr plot`: numbers over time in the terminal, as they come or out of a recording."""
+"""`lbr plot`: numbers over time in the terminal, live or from a recording."""
 
 import shutil
 import sys
@@ -27,11 +27,11 @@ MOST_POINTS = 4000
 MOST_COLUMNS, MOST_LINES = 1000, 300
 COLOURS = ("cyan", "yellow", "green", "magenta", "red", "blue", "white")
 EDGE = 16
-"""Columns and lines that axes and legend take."""
+"""The columns and lines of axes and legend."""
 
 
 class Series(NamedTuple):
-    """A field of a topic, and its values: when (seconds), and how much."""
+    """A field of a topic, and its points: time in seconds, and value."""
 
     name: str
     topic: str
@@ -91,7 +91,7 @@ def _series(text: str) -> Series:
 
 
 def _taker(bus: Session, robot: str, series: list[Series]) -> Callable[[], dict[str, object]]:
-    """Return what takes in news, and returns the newest message of each topic that was heard."""
+    """Subscribe to the topics; return a function that reads new points and returns the newest message of each topic."""
     feeds = {each.topic: wire.Subscription(bus, topics.key_of(robot, each.topic), depth=2000) for each in series}
     newest: dict[str, object] = {}
 
@@ -111,7 +111,7 @@ def _taker(bus: Session, robot: str, series: list[Series]) -> Callable[[], dict[
 
 
 def _wait(take: Callable[[], dict[str, object]], series: list[Series]) -> None:
-    """Wait for the first message of each topic; InputError for a field that is no number there."""
+    """Wait for the first message of each topic; raise InputError for a field that is not a number."""
     until = time.monotonic() + WAIT_S
     while missing := sorted({each.topic for each in series} - (newest := take()).keys()):
         if time.monotonic() > until:
@@ -123,7 +123,7 @@ def _wait(take: Callable[[], dict[str, object]], series: list[Series]) -> None:
 
 
 def _refuse(series: Series, message: object) -> None:
-    """Raise InputError for a field that is not there, or never a number; one that is null now may become one."""
+    """Raise InputError for a missing field or a text; a null may become a number."""
     known = dict(fields(message))
     path = ".".join(series.path)
     if path in known and known[path] is None:
@@ -171,7 +171,7 @@ def _recorded(series: list[Series], robot: str | None, begin: str | None, end: s
 
 
 def size() -> tuple[int, int]:
-    """Return how wide and high to draw; a terminal may be said to be as large as a number gets."""
+    """Return the width and height to draw, as a terminal may report any size."""
     found = shutil.get_terminal_size()
     return min(found.columns, MOST_COLUMNS), min(found.lines, MOST_LINES)
 

@@ -20,7 +20,7 @@ from lbr.messages.units import FILE_STEM
 
 ASK_S = 10.0
 GONE_S = 20.0
-"""It runs when all others leave it time."""
+"""The wait for an answer: the box runs only when all others leave it time."""
 LOOK_S = 0.5
 
 

@@ -1,4 +1,4 @@
-"""`lbr replay`: what was recorded as streams of a robot of another name, to look at."""
+"""`lbr replay`: the streams of a recording, published under another robot's name."""
 
 import contextlib
 import os
@@ -126,7 +126,7 @@ class Stage:
             key = f"{self._robot}/{message.topic}"
             try:
                 self._publishers[message.topic] = self._wire.Publisher(self._bus, key, "replay", pictures=picture)
-            except Exception as err:  # the bus library's own, for a name that no key may have
+            except Exception as err:  # the bus library's own error, for a name that is not a valid key
                 raise BusError(f"'{message.topic[:60]}' cannot be published: {err}") from err
             self._describe(message.channel)
         publisher = self._publishers[message.topic]
@@ -153,7 +153,7 @@ class Stage:
 
 
 def _play(stage: Stage, player: Player, files: tuple[Path, ...], keys: Callable[[float], str]) -> bool:
-    """Play to the end; return False for an earlier end by key."""
+    """Play to the end; return False if a key ended it."""
     shown_at = 0.0
     while True:
         messages = _from(stage, player.at_ns(time.monotonic()), files, player.end_ns)
@@ -168,13 +168,13 @@ def _play(stage: Stage, player: Player, files: tuple[Path, ...], keys: Callable[
             else:
                 stage.publish(message)
                 continue
-            break  # after a jump the messages are read from there on
+            break  # after a jump, read on from the new place
         else:
             return True
 
 
 def _obeyed(player: Player, asked: str) -> bool:
-    """Obey a key; return whether it was a jump."""
+    """Apply a key; return whether it was a jump."""
     now = time.monotonic()
     if asked == "pause":
         player.pause(now, paused=not player.paused)
@@ -187,7 +187,7 @@ def _obeyed(player: Player, asked: str) -> bool:
 
 
 def _from(stage: Stage, at_ns: int, files: tuple[Path, ...], end_ns: int) -> Iterator[Message]:
-    """Publish the newest earlier message of each stream, and return the messages after that time."""
+    """Publish the newest earlier message of each stream; return the messages after that time."""
     path = selection.file_at(files, at_ns)
     if path is not None:
         newest = {each.topic: each for each in selection.messages([path], 0, at_ns) if each.topic != selection.EVENT}
@@ -197,7 +197,7 @@ def _from(stage: Stage, at_ns: int, files: tuple[Path, ...], end_ns: int) -> Ite
 
 
 def _show(player: Player, shown_at: float) -> float:
-    """Show where it is, in a terminal and now and then."""
+    """Show the position every `SHOWN_S` in a terminal; return when to show it again."""
     now = time.monotonic()
     if now < shown_at or not sys.stderr.isatty():
         return shown_at
@@ -211,7 +211,7 @@ def _show(player: Player, shown_at: float) -> float:
 
 @contextlib.contextmanager
 def _robot(name: str) -> Iterator[Session]:
-    """Be a robot of that name on this machine, as far as looking goes, for the time of a `with`."""
+    """Open a bus as a robot of that name, for readers only, and close it after the `with`."""
     lock = home.RunLock(name)
     try:
         endpoint, password = f"unixsock-stream/{home.socket_path(name)}", secrets.token_hex(16)
@@ -246,7 +246,7 @@ def _sleep(wait_s: float) -> str:
 
 @contextlib.contextmanager
 def _typed() -> Iterator[Callable[[float], str]]:
-    """Give what waits for so long for a key that means something, and returns what; nothing without a terminal."""
+    """Yield a function that waits for a key and returns its command, or ""; without a terminal it only waits."""
     if not sys.stdin.isatty():
         yield _sleep
         return

@@ -1,4 +1,4 @@
-"""`lbr replay --check`: a recording goes through the real drivers and operations, and what they do is compared."""
+"""`lbr replay --check`: runs a recording through the real drivers and operations, and compares the results."""
 
 import math
 import sys
@@ -14,8 +14,7 @@ SHOWN = 5
 
 
 def check(chosen: Chosen, start_ns: int, end_ns: int, tries: int, *, as_json: bool) -> int:
-    """Run a recording again, up to `tries` times until it does the same, and say where it did otherwise; 1 if it
-    did."""
+    """Rerun a recording, up to `tries` times until the results match; print the differences, return the exit code."""
     from lbr.apps.recorder.rerun import check as checks  # noqa: PLC0415 - kept out of its `--help`
 
     recorded = checks.read(chosen.files, start_ns, end_ns)

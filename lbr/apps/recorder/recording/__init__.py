@@ -1,5 +1,5 @@
-"""Recordings: MCAP files that a robot's black box writes, and that are read whatever became of their end.
+"""Recordings: MCAP files of a robot's black box, readable even if they are cut or damaged.
 
-`chunks` makes and reads the bytes, `segments` writes a file, `reader` reads what is left of one, `shelf` knows the
-folders, `times` understands when people mean, `export` writes files for others. Only this package knows MCAP.
+`chunks` makes and parses the bytes, `segments` writes a file, `reader` reads one. `shelf` knows the folders, `times`
+parses times, and `export` writes files for other programs. Only this package knows MCAP.
 """

@@ -1,6 +1,6 @@
-"""The bytes of a recording: schemas, channels and messages, packed into chunks that stand by themselves. Pure.
+"""The bytes of a recording: schemas, channels and messages, packed into independent chunks. Pure.
 
-Each chunk has the channels of its messages again, so that a chunk before it may be lost. MCAP: https://mcap.dev/spec
+Each chunk repeats the channels of its messages, so that an earlier chunk may be lost. MCAP: https://mcap.dev/spec
 """
 
 import mmap
@@ -22,8 +22,10 @@ from lbr.apps.recorder.recording.decoding import read_or_none
 
 MAGIC = b"\x89MCAP0\r\n"
 MOST_BYTES = 64 << 20
-"""Of a chunk as it was before it was compressed: more is damage. A second of everything with cameras is a tenth of
-that."""
+"""The largest chunk before compression; a larger one is damage.
+
+A second of everything with cameras is a tenth of that.
+"""
 LEVEL = 1
 COMPRESSION = "zstd"
 _MESSAGE = struct.Struct("<BQHIQQ")
@@ -37,12 +39,11 @@ R = TypeVar("R", records.Chunk, records.Schema, records.Channel, records.Metadat
 
 
 class DamagedError(ValueError):
-    """Bytes that are no whole record."""
+    """Bytes that are not a whole record."""
 
 
 class Channel(Struct, frozen=True):
-    """A stream in a recording: its topic below the robot, how its messages are written, and its schema as it was
-    then."""
+    """A recorded stream: its topic below the robot, its encoding, and its schema at that time."""
 
     topic: str
     encoding: str = "json"
@@ -51,7 +52,7 @@ class Channel(Struct, frozen=True):
 
 
 class Message(Struct, frozen=True, gc=False):
-    """One message: when it was published by the recording's clock and by its sender's, its number, and its bytes."""
+    """One message: its times by the recording's clock and by its sender's, its number, and its bytes."""
 
     channel: Channel
     log_ns: int
@@ -70,7 +71,10 @@ class Message(Struct, frozen=True, gc=False):
 
 
 class Channels:
-    """Numbers channels, and keeps their bytes: a stream whose schema changes is another channel of the same topic."""
+    """Numbers channels, and keeps their records.
+
+    A stream whose schema changes becomes another channel of the same topic.
+    """
 
     def __init__(self) -> None:
         self._ids: dict[Channel, int] = {}
@@ -79,7 +83,7 @@ class Channels:
         self._schema_bytes: list[bytes] = []
 
     def number(self, channel: Channel) -> int:
-        """Return the number of a channel, a new one if need be."""
+        """Return the number of a channel; a new channel gets the next one."""
         number = self._ids.get(channel)
         if number is None:
             number = self._ids[channel] = len(self._ids) + 1
@@ -118,7 +122,7 @@ def message(number: int, sequence: int, log_ns: int, publish_ns: int, data: byte
 def chunk(parts: Iterable[bytes], start_ns: int, end_ns: int) -> bytes:
     """Return the record of a chunk of these records, compressed."""
     plain = b"".join(parts)
-    packed = zstandard.ZstdCompressor(level=LEVEL).compress(plain)  # one of its own: two files are written at once
+    packed = zstandard.ZstdCompressor(level=LEVEL).compress(plain)  # not shared: two threads write files
     return _bytes_of(
         records.Chunk(
             compression=COMPRESSION,
@@ -132,7 +136,7 @@ def chunk(parts: Iterable[bytes], start_ns: int, end_ns: int) -> bytes:
 
 
 def beginning(library: str, about: Mapping[str, str]) -> bytes:
-    """Return how a recording begins."""
+    """Return the first bytes of a recording."""
     builder = RecordBuilder()
     records.Header(profile="lbr", library=library).write(builder)
     records.Metadata(name="lbr", metadata=dict(about)).write(builder)
@@ -140,7 +144,7 @@ def beginning(library: str, about: Mapping[str, str]) -> bytes:
 
 
 def ending() -> bytes:
-    """Return how a whole recording ends: without an index, which readers do not need."""
+    """Return the last bytes of a finished recording; it has no index, which readers do not need."""
     builder = RecordBuilder()
     records.DataEnd(data_section_crc=0).write(builder)
     records.Footer(summary_start=0, summary_offset_start=0, summary_crc=0).write(builder)
@@ -148,7 +152,7 @@ def ending() -> bytes:
 
 
 class Span(Struct, frozen=True):
-    """A chunk in a file: where it is, how long it is, and from when to when its messages are."""
+    """A chunk in a file: its place, its length, and the times of its first and last message."""
 
     at: int
     length: int
@@ -157,7 +161,7 @@ class Span(Struct, frozen=True):
 
 
 def head(data: mmap.mmap | bytes, at: int, size: int) -> Span | None:
-    """Return the chunk that begins here, if there is one that fits into a file of this size."""
+    """Return the chunk that begins at this place; None if none does, or it does not fit into the file."""
     if at + HEAD_BYTES > size or data[at] != Opcode.CHUNK:
         return None
     _, length = _RECORD.unpack_from(data, at)
@@ -167,13 +171,13 @@ def head(data: mmap.mmap | bytes, at: int, size: int) -> Span | None:
     if at + HEAD_BYTES + name + 8 > size:
         return None
     (packed,) = struct.unpack_from("<Q", data, at + HEAD_BYTES + name)
-    if length != _CHUNK_HEAD.size + name + 8 + packed:  # a damaged length would lead into the next chunk
+    if length != _CHUNK_HEAD.size + name + 8 + packed:  # a damaged length would reach into the next chunk
         return None
     return Span(at, _RECORD.size + length, start_ns, end_ns)
 
 
 class _Body(ReadDataStream):
-    """The bytes of one record; EndOfFile where it is cut."""
+    """The bytes of one record; raises EndOfFile where it is cut."""
 
     def __init__(self, body: bytes) -> None:
         super().__init__(BytesIO(body))
@@ -187,7 +191,7 @@ class _Body(ReadDataStream):
 
 
 def opened(data: mmap.mmap | bytes, span: Span) -> bytes:
-    """Return the records in a chunk; DamagedError if it is not as it was written."""
+    """Unpack the records of a chunk; raise DamagedError if its checksum or size is wrong."""
     chunk = parsed(records.Chunk, data[span.at + _RECORD.size : span.at + span.length])
     try:
         stream, size = get_chunk_data_stream(chunk, validate_crc=True)
@@ -200,7 +204,7 @@ def opened(data: mmap.mmap | bytes, span: Span) -> bytes:
 
 
 def parsed(kind: type[R], body: bytes) -> R:
-    """Return the record of a kind; DamagedError if it is cut or damaged."""
+    """Parse a record of a kind; raise DamagedError if it is cut or damaged."""
     try:
         record: R = kind.read(_Body(body))
     except (EndOfFile, UnicodeDecodeError) as err:
@@ -209,7 +213,7 @@ def parsed(kind: type[R], body: bytes) -> R:
 
 
 class Contents:
-    """Reads records one after the other; what it has heard of schemas and channels it keeps for the next chunk."""
+    """Reads records in sequence, and keeps their schemas and channels for the next chunk."""
 
     def __init__(self) -> None:
         self.schemas: dict[int, tuple[str, bytes]] = {}
@@ -218,7 +222,7 @@ class Contents:
         self._declared: dict[tuple[int, bytes], bytes] = {}
 
     def read(self, plain: bytes) -> Iterator[Message]:
-        """Yield the messages of a chunk; DamagedError where it is no sequence of records."""
+        """Yield the messages of a chunk; raise DamagedError where its records are cut."""
         at, size = 0, len(plain)
         while at < size:
             if at + _RECORD.size > size:
@@ -240,7 +244,7 @@ class Contents:
             at += length
 
     def declare(self, opcode: int, body: bytes) -> None:
-        """Take a schema or a channel; DamagedError if it is broken."""
+        """Store a schema or channel; raise DamagedError if it is broken."""
         number = opcode, body[:2]
         if self._declared.get(number) == body:
             return

@@ -1,4 +1,4 @@
-"""Messages in JSON out of files and off the bus, any of which may be malformed. Pure."""
+"""Decodes JSON from files and from the bus, which may be malformed. Pure."""
 
 from typing import TypeVar
 
@@ -10,7 +10,7 @@ T = TypeVar("T")
 
 
 def read_or_none(data: bytes | str | msgspec.Raw | None, kind: type[T]) -> T | None:
-    """Return the message of this type in JSON; None without JSON, or if it is malformed."""
+    """Decode a message of this type; None without data, or if it is malformed."""
     try:
         return msgspec.json.decode(data, type=kind) if data is not None else None
     except UNREADABLE:

@@ -1,4 +1,4 @@
-"""Writes what was recorded into files for other programs: one MCAP file with its index, or a table for each topic."""
+"""Writes recorded messages for other programs: one MCAP file with an index, or a CSV table for each topic."""
 
 import base64
 import csv
@@ -19,20 +19,23 @@ from lbr.messages.unreadable import UNREADABLE
 from lbr.names import first_free
 
 Again = Callable[[], Iterable[Message]]
-"""Begins anew: tables are read twice, first for their columns."""
+"""Returns the messages from the start; tables are read twice, first for their columns."""
 PICTURES = "foxglove.CompressedImage"
 LONGEST_LIST = 16
 TIME, SECONDS = "time", "time_s"
 
 
 class _Picture(Struct):
-    """As much of a picture as is written into a file."""
+    """The field of a picture that is written into a file."""
 
     data: str
 
 
 def to_mcap(path: Path, messages: Iterable[Message], library: str) -> int:
-    """Write one MCAP file, whole or not at all; return how many messages it has. InputError says why it cannot be."""
+    """Write one MCAP file, whole or not at all; return its number of messages.
+
+    Raise InputError if it cannot be written.
+    """
     draft = path.with_name(f"{path.name}.new")
     try:
         with draft.open("wb") as file:
@@ -66,8 +69,9 @@ def _write_mcap(file: IO[bytes], messages: Iterable[Message], library: str) -> i
 def to_csv(folder: Path, again: Again) -> dict[str, int]:
     """Write a table for each topic into a folder, and pictures as files beside them; return the rows of each.
 
-    InputError says why it cannot be. Columns are the fields, those within others behind a dot; `time` and `time_s` are
-    the recording's, and a message's own of these names `message.time` and `message.time_s`.
+    Columns are the fields, with a dot before nested ones. `time` and `time_s` are the recording's; a message's own
+    fields of
+    these names become `message.time` and `message.time_s`. Raise InputError if the files cannot be written.
     """
     columns: dict[str, dict[str, None]] = {}
     for message in again():
@@ -97,7 +101,7 @@ def to_csv(folder: Path, again: Again) -> dict[str, int]:
 
 
 def file_names(topics: Iterable[str]) -> dict[str, str]:
-    """Return what each topic's file is called; one whose name another has already gets a number."""
+    """Return the file name of each topic; a name that is taken gets a number."""
     names: dict[str, str] = {}
     for topic in topics:
         name = re.sub(r"[^A-Za-z0-9_.-]+", "_", topic).strip("_.") or "topic"
@@ -106,7 +110,7 @@ def file_names(topics: Iterable[str]) -> dict[str, str]:
 
 
 def fields(value: object, name: str = "") -> Iterator[tuple[str, object]]:
-    """Yield the plain values within decoded JSON, each with its path; long lists stay JSON."""
+    """Yield the path and value of each leaf in decoded JSON; long lists stay JSON."""
     if isinstance(value, dict) and value:
         for key, part in value.items():
             yield from fields(part, f"{name}.{key}" if name else str(key))
@@ -124,7 +128,7 @@ def _nested(values: list[object]) -> bool:
 
 
 def decoded(message: Message) -> object:
-    """Return a message as plain data; what is no JSON as a text."""
+    """Return a message as plain data; as text if it is not JSON."""
     try:
         return msgspec.json.decode(message.data)
     except UNREADABLE:
@@ -138,7 +142,7 @@ def _fields(one: Message) -> list[str]:
 
 
 def _columns(one: Message) -> Iterator[tuple[str, object]]:
-    """Yield the plain values of a message by the names of their columns."""
+    """Yield the column and value of each leaf of a message."""
     for name, value in fields(decoded(one)):
         yield (f"message.{name}" if name in {TIME, SECONDS} else name), value
 
@@ -160,7 +164,7 @@ def _cell(value: object) -> object:
 
 
 def picture_in(one: Message) -> bytes | None:
-    """Return the bytes of the picture in a message, None if it has no picture."""
+    """Return the bytes of the picture in a message, or None."""
     picture = one.read(_Picture)
     try:
         return base64.b64decode(picture.data, validate=True) if picture is not None else None

@@ -1,4 +1,7 @@
-"""Numbers of streams over time: one chunk of the box is read for each point, so that a day costs no more than a minute."""
+"""Numbers of streams over time.
+
+For each point one chunk of the box is read, so that a day costs no more than a minute.
+"""
 
 from collections.abc import Iterable
 from contextlib import suppress
@@ -13,14 +16,14 @@ NS_PER_MS = 1_000_000
 
 
 class History(Struct):
-    """The times, and for each field a value at each of them; None where nothing was published."""
+    """The times, and each field's value at each of them; None if nothing was published."""
 
     at_ms: list[int]
     values: dict[str, list[float | None]]
 
 
 def value_of(message: object, path: Iterable[str]) -> float | None:
-    """Return the number at a path in decoded JSON; None where there is none."""
+    """Return the number at a path in decoded JSON, or None."""
     for part in path:
         if isinstance(message, dict):
             message = message.get(part)
@@ -32,7 +35,7 @@ def value_of(message: object, path: Iterable[str]) -> float | None:
 
 
 def history(files: Iterable[Path], fields: Iterable[str], start_ns: int, end_ns: int, points: int) -> History:
-    """Return fields such as `battery/state.voltage_v` between two times, at `points` times at most."""
+    """Return fields such as `battery/state.voltage_v` between two times, in `points` points at most."""
     sampled = History([], {field: [] for field in fields})
     wanted: dict[str, list[str]] = {}
     for field in sampled.values:
@@ -53,7 +56,7 @@ def history(files: Iterable[Path], fields: Iterable[str], start_ns: int, end_ns:
 def _sample(
     file: reader.Recording, sampled: History, wanted: dict[str, list[str]], due_ns: int, end_ns: int, step_ns: int
 ) -> int:
-    """Add what a file has from `due_ns` on, and return when the next point is due."""
+    """Add the points of a file from `due_ns` on; return when the next point is due."""
     for span, messages in file.chunks():
         if due_ns <= span.end_ns <= end_ns:
             newest = {sample.topic: sample for sample in messages() if sample.topic in wanted}

@@ -1,7 +1,7 @@
-"""The devices and commands in a recording with lines, and the answers that a device would give by it. Pure.
+"""The device bytes and commands of a recording with lines, and the answers for emulated devices. Pure.
 
-A line is taken for questions and answers: what came within `ANSWER_NS` of what was sent answers it, unless more was
-sent since. An answer without a question has its time alone.
+A line is treated as questions and answers. Bytes received within `ANSWER_NS` of a question answer it, unless another
+question came between. Other received bytes have only their time.
 """
 
 import bisect
@@ -17,25 +17,26 @@ from lbr.messages.taped import LineBytes, Taped, TapedCommand
 TAPED = "@taped/"
 ANSWER_NS = 100_000_000
 SHORTEST = 3
-"""Bytes that a question has at least in common with the one whose answer it gets: to the servo's number, or the
-command."""
+"""The common first bytes, up to a servo's number or command, for which questions count as similar."""
 SURE = 3
-"""Bytes of a question by which its beginning is known among others."""
+"""The first bytes that mark the beginning of a known question within others."""
 LATE_NS = 150_000_000
-"""A question that was sent but once has a meaning of its own: the answers after it may be because of it. So much
-earlier or later than then it may come."""
+"""The time by which a single question may come earlier or later than recorded.
+
+A question that was sent only once may change the answers after it.
+"""
 OFTEN_NS = 50_000_000
 
 
 class Answer(NamedTuple):
-    """Bytes that came so long after what was sent."""
+    """Received bytes, and their delay after the question."""
 
     after_ns: int
     data: bytes
 
 
 class Exchange(NamedTuple):
-    """The bytes sent at once, when, and the answer."""
+    """The bytes of one question, its time, and its answers."""
 
     at_ns: int
     sent: bytes
@@ -43,7 +44,7 @@ class Exchange(NamedTuple):
 
 
 class Command(Struct, frozen=True, kw_only=True):
-    """A command of the recording: to whom, from whom, when it was sent and answered, its bytes and its answer."""
+    """A recorded command: receiver, sender, the times of command and answer, and both contents."""
 
     at_ns: int
     answered_ns: int
@@ -56,7 +57,7 @@ class Command(Struct, frozen=True, kw_only=True):
 
 
 class RecordedLine:
-    """A device's line of a recording; times are the recording's."""
+    """The recorded line of a device; times are the recording's."""
 
     def __init__(self, device: str, pieces: Iterable[LineBytes], lost: int = 0) -> None:
         self.device = device
@@ -73,13 +74,13 @@ class RecordedLine:
         self.longest = max((len(one) for one in self._by_question), default=0)
 
     def known(self, sent: bytes) -> bool:
-        """Return whether exactly this was sent."""
+        """Return whether exactly these bytes were sent."""
         return sent in self._by_question
 
     def question(self, data: bytes) -> tuple[bytes, bool]:
-        """Return the question with which these bytes begin, and whether it may have an end that is not here yet.
+        """Return the first question in these bytes, and whether its end may be still to come.
 
-        A question sent in two pieces may come as one; an unknown one ends where a known one begins.
+        A question sent in two pieces may arrive as one; an unknown question ends where a known one begins.
         """
         if data in self._by_question:
             return data, False
@@ -93,9 +94,9 @@ class RecordedLine:
         return data, False
 
     def _next(self, sent: bytes, at_ns: int) -> Exchange:
-        """Return the exchange of about that time which has the same single questions before it and after it.
+        """Return the recorded exchange nearest to a time, between the same single questions.
 
-        A driver that asks often, but not at the same moments as then, gets each answer once: the one after the last.
+        A driver that asks often, but at other moments than recorded, receives each answer once, in sequence.
         """
         exchanges = self._by_question[sent]
         begin_ns, end_ns = self._between(sent, at_ns)
@@ -116,12 +117,12 @@ class RecordedLine:
         return exchanges[near]
 
     def _between(self, sent: bytes, at_ns: int) -> tuple[int, int]:
-        """Return from when to when an answer may be: after the last single question that came, and before the next one.
+        """Return the time span of valid answers: from the last single question asked to the next one.
 
-        One that does not come is not waited for.
+        A single question that is late by more than `LATE_NS` counts as asked.
         """
         if at_ns < self._at_ns:
-            self._passed = 0  # the time was set back
+            self._passed = 0  # the clock was set back
         self._at_ns = at_ns
         if sent in self._once:
             first = bisect.bisect_left(self._single, (at_ns - LATE_NS, b""))
@@ -143,7 +144,7 @@ class RecordedLine:
         return b""
 
     def answers(self, sent: bytes, at_ns: int) -> tuple[Answer, ...]:
-        """Return what was answered to this at about that time; to what was never sent, what its like was answered."""
+        """Return the recorded answers to a question at about that time; an unknown question gets a similar one's."""
         if sent in self._by_question:
             return self._next(sent, at_ns).answers
         alike = max(self._by_question, key=lambda one: (_common(one, sent), -abs(len(one) - len(sent))), default=b"")
@@ -152,13 +153,13 @@ class RecordedLine:
         return self._next(alike, at_ns).answers
 
     def came(self, after_ns: int, until_ns: int) -> list[bytes]:
-        """Return what came by itself in that time."""
+        """Return the unasked bytes of a time span."""
         first = bisect.bisect_right(self.unasked, after_ns, key=lambda one: one[0])
         last = bisect.bisect_right(self.unasked, until_ns, key=lambda one: one[0])
         return [data for _, data in self.unasked[first:last]]
 
     def next_ns(self, after_ns: int) -> int | None:
-        """Return when the next thing came by itself."""
+        """Return the time of the next unasked bytes."""
         at = bisect.bisect_right(self.unasked, after_ns, key=lambda one: one[0])
         return self.unasked[at][0] if at < len(self.unasked) else None
 
@@ -167,7 +168,7 @@ class RecordedLine:
         answers: list[Answer] = []
         now_ns = 0
         for piece in pieces:
-            now_ns = max(now_ns, piece.at_ns)  # the messages that brought them may be dated a hair apart
+            now_ns = max(now_ns, piece.at_ns)  # messages with pieces may be dated slightly out of order
             if piece.sent:
                 self._close(sent, answers)
                 sent, answers = LineBytes(now_ns, piece.sent, piece.data), []
@@ -185,14 +186,14 @@ class RecordedLine:
 
 
 class RecordedLines(Struct, kw_only=True):
-    """All that a recording with lines has: lines by device, and commands in order."""
+    """The contents of a recording with lines: lines by device, and commands in order."""
 
     lines: dict[str, RecordedLine] = {}
     commands: tuple[Command, ...] = ()
 
 
 def recorded_lines(messages: Iterable[Message]) -> RecordedLines:
-    """Return what the messages of a recording have of lines and commands; what is malformed is passed over."""
+    """Return the lines and commands in the messages of a recording; malformed messages are skipped."""
     pieces: dict[str, list[LineBytes]] = {}
     lost: dict[str, int] = {}
     commands = []
@@ -216,7 +217,7 @@ def recorded_lines(messages: Iterable[Message]) -> RecordedLines:
 
 
 def is_opening(message: Message) -> bool:
-    """Return whether a message has how lines were opened, before the recording."""
+    """Return whether a message holds the opening of a line, from before the recording."""
     return any(line.opening for line in found.lines) if (found := message.read(Taped)) is not None else False
 
 
@@ -237,7 +238,7 @@ def _command(to: str, taped: TapedCommand, later_ns: int) -> Command | None:
 
 
 def _common(first: bytes, second: bytes) -> int:
-    """Return how many bytes two have in common from their beginning."""
+    """Return the length of the common prefix."""
     for at, (left, right) in enumerate(zip(first, second, strict=False)):
         if left != right:
             return at

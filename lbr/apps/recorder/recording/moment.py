@@ -1,5 +1,4 @@
-"""A robot as it was at a moment: its rows, its status, what each stream had said last, and what had happened until
-then."""
+"""A robot at a past moment: its rows, its status, the newest message of each stream, and the events until then."""
 
 from pathlib import Path
 
@@ -16,9 +15,9 @@ _SYSTEM = ("@rows", "@status", "@event", "@log")
 
 
 class Moment(Struct, frozen=True, kw_only=True):
-    """The knowledge of that moment; `messages` are the newest messages by topic with their ages, `events` oldest first.
+    """The state at a moment; `messages` are the newest by topic with their ages, `events` oldest first.
 
-    `late_s` is how long before the moment anything was recorded last: a box that was off is told by it.
+    `late_s` is the time since the last record before the moment; a large one means the box was off.
     """
 
     at_ns: int
@@ -30,7 +29,7 @@ class Moment(Struct, frozen=True, kw_only=True):
 
 
 def moment(files: tuple[Path, ...], at_ns: int) -> Moment:
-    """Return a moment out of files, oldest first; InputError if nothing was recorded until then."""
+    """Read a moment from files, oldest first; raise InputError if nothing was recorded until then."""
     path = selection.file_at(files, at_ns)
     if path is None:
         raise InputError("nothing was recorded until then ('lbr box list' shows from when on)")

@@ -1,4 +1,4 @@
-"""Where a replay is: it goes on with the clock at its speed, stands while it is paused, and jumps. Pure."""
+"""The position of a replay: it advances with the clock at its speed, pauses, and jumps. Pure."""
 
 SLOWEST, FASTEST = 0.05, 100.0
 
@@ -15,27 +15,27 @@ class Player:
         self._since = now
 
     def at_ns(self, now: float) -> int:
-        """Return the time of the recording that it is now."""
+        """Return the time of the recording at `now`."""
         gone = 0.0 if self.paused else (now - self._since) * self.speed
         return min(self.end_ns, max(self.start_ns, self._at_ns + round(gone * 1e9)))
 
     def wait_s(self, ns: int, now: float) -> float:
-        """Return for how long a message of that time is still to wait; without end while it is paused."""
+        """Return the wait until a message of that time is due; infinite during a pause."""
         ahead = (ns - self._at_ns) / 1e9
         return float("inf") if self.paused else ahead / self.speed - (now - self._since)
 
     def pause(self, now: float, *, paused: bool) -> None:
-        """Stand still, or go on."""
+        """Pause, or go on."""
         self._settle(now)
         self.paused = paused
 
     def faster(self, now: float, factor: float) -> None:
-        """Play so many times as fast as until now."""
+        """Multiply the speed."""
         self._settle(now)
         self.speed = min(FASTEST, max(SLOWEST, self.speed * factor))
 
     def seek(self, ns: int, now: float) -> None:
-        """Jump to a time, within what there is."""
+        """Jump to a time, within the recording."""
         self._at_ns, self._since = min(self.end_ns, max(self.start_ns, ns)), now
 
     def _settle(self, now: float) -> None:

@@ -1,4 +1,4 @@
-"""Reads what is left of a recording: cut anywhere, with flipped bytes, of an older version or of another program."""
+"""Reads recordings that may be cut, damaged, of an older version or of another program."""
 
 import mmap
 import os
@@ -18,7 +18,7 @@ from lbr.apps.recorder.recording.chunks import MAGIC, Contents, DamagedError, Me
 from lbr.errors import InputError
 
 _SIGNS = (b"\x04\x00\x00\x00zstd", b"\x03\x00\x00\x00lz4", b"\x00\x00\x00\x00")
-"""The end of a chunk's head: it finds one again behind damage."""
+"""The last bytes of a chunk's head, by which the next chunk is found after damage."""
 _BEFORE_SIGN = chunks.HEAD_BYTES - 4
 _RECORD = struct.Struct("<BQ")
 _LOOSE = {Opcode.SCHEMA, Opcode.CHANNEL}
@@ -27,16 +27,16 @@ MOST_METADATA = 1 << 20
 
 
 class Damage(Struct):
-    """The unreadable part of a file: how many places, and how many bytes."""
+    """The unreadable part of a file: the number of places, and of bytes."""
 
     places: int = 0
     bytes: int = 0
     whole: bool = False
-    """It has its end: it was closed in order."""
+    """The file was finished in order."""
 
 
 class Recording:
-    """One file, mapped: its chunks, and the messages in those that are wanted."""
+    """One mapped file: its chunks, and their messages on demand."""
 
     def __init__(self, path: Path, data: mmap.mmap | bytes) -> None:
         self.path = path
@@ -50,24 +50,24 @@ class Recording:
 
     @property
     def start_ns(self) -> int:
-        """When its first message was; 0 if it has none."""
+        """The time of its first message; 0 without messages."""
         return min((span.start_ns for span in self.spans), default=0)
 
     @property
     def end_ns(self) -> int:
-        """When its last message was."""
+        """The time of its last message; 0 without messages."""
         return max((span.end_ns for span in self.spans), default=0)
 
     @property
     def empty(self) -> bool:
-        """True if nothing of a recording was found: it is another file, or was cut before its first chunk's end."""
+        """True if the file has no messages: it is another sort of file, or is cut within its first chunk."""
         return not (self.spans or self._messages)
 
     def messages(self, start_ns: int = 0, end_ns: int = 1 << 63) -> Iterator[Message]:
-        """Yield the messages from one time to another, chunk by chunk; what is damaged is passed over and counted."""
+        """Yield the messages of a time span, chunk by chunk; damaged parts are skipped and counted."""
         for span in self.spans:
             outside = span.end_ns < start_ns or span.start_ns > end_ns
-            if outside and span is not self.spans[0]:  # the first one has the schemas
+            if outside and span is not self.spans[0]:  # the first chunk has the schemas
                 continue
             try:
                 plain = chunks.opened(self._data, span)
@@ -79,7 +79,7 @@ class Recording:
         yield from self._unchunked(start_ns, end_ns)
 
     def chunks(self) -> Iterator[tuple[Span, Callable[[], list[Message]]]]:
-        """Yield each chunk after the first, which repeats what was said before, with what reads it; damaged has none."""
+        """Yield each chunk after the first, which repeats older messages, with a function that reads its messages."""
 
         def read(span: Span) -> list[Message]:
             try:
@@ -124,7 +124,7 @@ class Recording:
             at = next_at
 
     def _follows(self, at: int) -> bool:
-        """Return whether a record may begin here, or the file ends."""
+        """Return whether a record or the file's end may be at this place."""
         data, size = self._data, self._size
         if at == size:
             return True
@@ -133,7 +133,7 @@ class Recording:
         return 0 < data[at] <= _LAST_OPCODE or bytes(data[at : at + len(MAGIC)]) == MAGIC or data[at] >= 0x80
 
     def _record_length(self, at: int) -> int:
-        """Return the length of what is no chunk, 0 if it is nothing."""
+        """Return the length of a record other than a chunk; 0 if there is no valid one."""
         if at + _RECORD.size > self._size:
             return 0
         opcode, length = _RECORD.unpack_from(self._data, at)
@@ -158,7 +158,7 @@ class Recording:
             self._hurt(length)
 
     def _next(self, at: int) -> int | None:
-        """Return where the next chunk begins, None after the last."""
+        """Return where the next intact chunk begins, or None."""
         starts = []
         for sign in _SIGNS[:2]:
             place = self._data.find(sign, at + _BEFORE_SIGN)
@@ -178,9 +178,9 @@ class Recording:
 
 @contextmanager
 def opened(path: Path) -> Iterator[Recording]:
-    """Open a recording for the time of a `with`; InputError if it cannot be read at all."""
+    """Open a recording for a `with`; raise InputError if the file cannot be read."""
     try:
-        if not stat.S_ISREG(path.stat().st_mode):  # a pipe without a writer would be waited for
+        if not stat.S_ISREG(path.stat().st_mode):  # opening a pipe without a writer would block
             raise InputError(f"{path} cannot be read: it is not a file")
         with path.open("rb") as file:
             if os.fstat(file.fileno()).st_size == 0:

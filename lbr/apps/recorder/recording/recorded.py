@@ -1,4 +1,4 @@
-"""A recorder's knowledge of a robot, by the reports `streams` and `rows`."""
+"""The description of a robot for a recorder: the reports `streams` and `rows`."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ from msgspec import Raw, Struct
 
 
 class RecordedStream(Struct, frozen=True, kw_only=True):
-    """A stream: the key on which it is published, the name of its message and the schema of that; empty: not known."""
+    """A stream: its key, and its message's name and schema; empty: not known."""
 
     key: str
     source: str
@@ -16,7 +16,7 @@ class RecordedStream(Struct, frozen=True, kw_only=True):
 
 
 class RecordedStreams(Struct, frozen=True, kw_only=True):
-    """All that is published, setpoints too, of the plan of a revision; `programs` are external commands by name."""
+    """All streams of a revision's plan, setpoints included; `programs` are the names of external commands."""
 
     revision: int
     streams: tuple[RecordedStream, ...]
@@ -24,7 +24,7 @@ class RecordedStreams(Struct, frozen=True, kw_only=True):
 
 
 class RecordedRows(Struct, frozen=True, kw_only=True):
-    """The rows of a revision by table, without tokens, and the facts by which `why` explains them."""
+    """The rows of a revision by table, without tokens, and the facts for `why`."""
 
     revision: int
     facts: Raw

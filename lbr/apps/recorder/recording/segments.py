@@ -1,4 +1,4 @@
-"""Writes a recording to the disk: whole chunks, synced; what could not be written as a whole is taken back."""
+"""Writes a recording to the disk in whole, synced chunks; a chunk that fails halfway is truncated."""
 
 import contextlib
 import fcntl
@@ -13,9 +13,9 @@ PRIVATE = 0o600
 
 
 class Segment:
-    """A file under way. It is locked while it is written, so that another process knows it is in use.
+    """A file under way, locked so that other processes know it is in use.
 
-    OSError out of any method but `close`: the disk is full or gone.
+    Each method but `finish` and `close` raises OSError if the disk is full or gone.
     """
 
     def __init__(self, path: Path, library: str, about: Mapping[str, str]) -> None:
@@ -23,7 +23,7 @@ class Segment:
         self.size = 0
         self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, PRIVATE)
         try:
-            with contextlib.suppress(OSError):  # a file system that cannot lock
+            with contextlib.suppress(OSError):  # a file system without locks
                 fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
             self._append(chunks.beginning(library, about))
             os.fsync(self._fd)
@@ -31,7 +31,7 @@ class Segment:
         except OSError:
             self.close()
             with contextlib.suppress(OSError):
-                path.unlink()  # what has no beginning is no recording, and in the way of the next try
+                path.unlink()  # a file without its beginning would block the next try
             raise
 
     def __enter__(self) -> Self:
@@ -41,19 +41,19 @@ class Segment:
         self.finish()
 
     def write(self, chunk: bytes) -> None:
-        """Write a chunk, and return once it is on the disk; OSError if it is not."""
+        """Write a chunk and sync it; raise OSError if that fails."""
         self._append(chunk)
         os.fdatasync(self._fd)
 
     def finish(self) -> None:
-        """End the file as whole recordings end, if the disk lets us, and close it."""
+        """Write the ending, if the disk allows it, and close the file."""
         with contextlib.suppress(OSError):
             self._append(chunks.ending())
             os.fdatasync(self._fd)
         self.close()
 
     def close(self) -> None:
-        """Close the file as it is."""
+        """Close the file without an ending."""
         fd, self._fd = self._fd, -1
         if fd >= 0:
             with contextlib.suppress(OSError):
@@ -73,7 +73,7 @@ class Segment:
 
 
 def sync_folder(path: Path) -> None:
-    """Have the names in a folder on the disk."""
+    """Sync the names in a folder to the disk."""
     fd = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
         os.fsync(fd)
@@ -82,9 +82,9 @@ def sync_folder(path: Path) -> None:
 
 
 def in_use(path: Path) -> bool:
-    """Return whether a process writes a file at this moment."""
+    """Return whether a process is writing a file."""
     try:
-        fd = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # a pipe without a writer would be waited for
+        fd = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # opening a pipe without a writer would block
     except OSError:
         return False
     try:

@@ -1,4 +1,4 @@
-"""The chosen part of a robot's recordings, and its messages in order."""
+"""The chosen files among a robot's recordings, and their messages in order."""
 
 from collections import deque
 from collections.abc import Iterable, Iterator
@@ -16,13 +16,13 @@ BOX = "box"
 LAST_NS = 1 << 63
 EVENT = "@event"
 BEGINS_NS = 1_000_000_000
-"""A round of the box."""
+"""A round of the box, about."""
 MOST_REPEATED = 50
-"""So many events are said again where a file begins, and one message of any stream."""
+"""The events that a new file repeats; of any stream it repeats one message."""
 
 
 class Chosen(Struct, frozen=True, kw_only=True):
-    """Files that belong together, oldest first: the box, what it kept, a recording, or a file of another."""
+    """Files that belong together, oldest first: the box, a kept incident, a recording, or any other file."""
 
     name: str
     files: tuple[Path, ...]
@@ -30,7 +30,7 @@ class Chosen(Struct, frozen=True, kw_only=True):
 
 
 class Damage(Struct):
-    """The unreadable part: whole files, places in others, and how many bytes these had."""
+    """The unreadable part: whole files, and the places and bytes in others."""
 
     files: list[str] = []
     places: int = 0
@@ -38,7 +38,7 @@ class Damage(Struct):
 
 
 def choose(shelf: Shelf, name: str) -> Chosen:
-    """Return what is meant by a name: `box` or nothing for the box itself; InputError says what there is."""
+    """Return the recording of a name, `box` or nothing for the box itself; raise InputError with the choices."""
     if name in {"", BOX}:
         return Chosen(name=BOX, files=tuple(shelf.files()))
     for incident in shelf.incidents():
@@ -60,7 +60,7 @@ def choose(shelf: Shelf, name: str) -> Chosen:
 
 
 def _refuse_empty(path: Path) -> None:
-    """Refuse a file of which nothing can be read: that nothing was recorded in some time is another matter."""
+    """Refuse a file without a readable record, which is not the same as a time without messages."""
     with reader.opened(path) as found:
         if found.empty:
             text = f"{path}: nothing in it can be read: it is no recording, or was cut short where it begins"
@@ -70,9 +70,9 @@ def _refuse_empty(path: Path) -> None:
 def messages(
     files: Iterable[Path], start_ns: int = 0, end_ns: int = LAST_NS, *, damage: Damage | None = None
 ) -> Iterator[Message]:
-    """Yield the messages of files from one time to another, of each file by their time, and each message once.
+    """Yield the messages of a time span file by file, in order of time, each once.
 
-    A file begins with what was said last before it; what is damaged is passed over, and counted in `damage`.
+    A file begins with repeated older messages. Damaged parts are skipped, and counted in `damage`.
     """
     seen: dict[str, deque[tuple[int, int]]] = {}
     for path in files:
@@ -98,7 +98,7 @@ def messages(
 
 
 def file_at(files: Iterable[Path], at_ns: int) -> Path | None:
-    """Return the file in which a moment is: the newest that began until then; None if all began later."""
+    """Return the file that holds a moment: the newest that began before it, or None."""
     for path in reversed(list(files)):
         with suppress(InputError), reader.opened(path) as found:
             if found.spans and _begins_ns(found) - BEGINS_NS <= at_ns:
@@ -107,7 +107,7 @@ def file_at(files: Iterable[Path], at_ns: int) -> Path | None:
 
 
 def span_ns(files: Iterable[Path]) -> tuple[int, int]:
-    """Return when the first message of files was, and the last; zeros without any."""
+    """Return the times of the first and last message in files; zeros without messages."""
     first, last = 0, 0
     ordered = list(files)
     for path in ordered:
@@ -123,13 +123,12 @@ def span_ns(files: Iterable[Path]) -> tuple[int, int]:
 
 
 def _begins_ns(found: reader.Recording) -> int:
-    """Return when a file begins: its first chunk also has what was said last before."""
+    """Return when a file begins; its first chunk also repeats older messages."""
     return found.spans[1].start_ns if len(found.spans) > 1 else found.spans[0].end_ns
 
 
 def _plays_from_ns(file: reader.Recording) -> int:
-    """Return from when on there is something to play: of a file that was cut after its first chunk, the last round of
-    that."""
+    """Return the time of the first message to play; in a file of one chunk, that of its last round."""
     only = file.spans[0]
     if len(file.spans) > 1:
         return _begins_ns(file)

@@ -1,5 +1,4 @@
-"""Where a robot's recordings are, below its home: the box's own files in turn, what was kept of them, and recordings on
-purpose.
+"""The folders of a robot's recordings, below its home: the box's own files, kept incidents, and recordings on purpose.
 
     box/lbr/00000017-20261123T155312Z.mcap             the box, oldest first by number, whatever the clock says
     box/lbr/kept/20261123-155410-estop/                links to those files that led there, and why in incident.json
@@ -28,7 +27,7 @@ PRIVATE = 0o700
 
 
 class Incident(Struct, kw_only=True):
-    """Why something was kept: what happened to whom, when by the wall clock, and how often again within a while."""
+    """Why files were kept: the event, its subject and wall time, and how often it repeated."""
 
     kind: str
     subject: str
@@ -41,7 +40,7 @@ class Incident(Struct, kw_only=True):
 
 
 class Kept(Struct, frozen=True):
-    """The record of an incident, and why it was kept; `why` is None where that cannot be read."""
+    """The files of an incident; `why` is None if it cannot be read."""
 
     path: Path
     files: tuple[Path, ...]
@@ -54,7 +53,7 @@ class Kept(Struct, frozen=True):
 
 
 class Shelf:
-    """The folders of one robot. A missing file is not an error; OSError only where something is written."""
+    """The folders of one robot. A missing file is not an error; only writing raises OSError."""
 
     def __init__(self, home: Path, robot: str) -> None:
         self.box = home / "box" / robot
@@ -71,13 +70,13 @@ class Shelf:
         return sorted(path for path in _in(self.box) if _NAME.fullmatch(path.name))
 
     def next_file(self) -> Path:
-        """Return the name of the next file."""
+        """Return the path of the next file."""
         files = self.files()
         number = int(files[-1].name[:8]) + 1 if files else 1
         return self.box / f"{number:08d}-{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}{SUFFIX}"
 
     def incidents(self) -> list[Kept]:
-        """Return what was kept, oldest first."""
+        """Return the kept incidents, oldest first."""
         return [
             Kept(folder, tuple(sorted(path for path in _in(folder) if path.suffix == SUFFIX)), _incident(folder))
             for folder in sorted(_in(self.kept_folder))
@@ -85,11 +84,11 @@ class Shelf:
         ]
 
     def recordings(self) -> list[Path]:
-        """Return what was recorded on purpose, by name."""
+        """Return the recordings made on purpose, by name."""
         return sorted(path for path in _in(self.recordings_folder) if path.suffix == SUFFIX)
 
     def keep(self, name: str, why: Incident, files: Iterable[Path]) -> Path:
-        """Keep files under a name; those that are kept there already stay. Returns the folder."""
+        """Link files under an incident's name, and write the reason beside them; return the folder."""
         folder = self.kept_folder / name
         folder.mkdir(mode=PRIVATE, parents=True, exist_ok=True)
         for path in files:
@@ -106,9 +105,9 @@ class Shelf:
         return folder
 
     def prune(self, most_bytes: int, oldest_s: float, now: float) -> int:
-        """Delete the oldest of the box's own files while they are too many or too old; return how many went.
+        """Delete the oldest of the box's own files beyond the bounds; return how many.
 
-        The newest stays. `now` is by the wall clock; 0: judge none by its age.
+        The newest stays. `now` is by the wall clock; 0: ignore ages.
         """
         files = self.files()
         total, deleted = size_of(files), 0
@@ -123,13 +122,12 @@ class Shelf:
         return deleted
 
     def drop_oldest(self) -> bool:
-        """Delete the oldest of the box's own files, for room on the disk; False if none is left."""
+        """Delete the oldest of the box's own files; False if none is left or it cannot be deleted."""
         files = self.files()
         return bool(files) and _removed(files[0])
 
     def prune_kept(self, most_bytes: int, oldest_s: float, now: float) -> list[str]:
-        """Delete what was kept first while it is too much or too old; return the names of what went. The newest
-        stays."""
+        """Delete the oldest incidents beyond the bounds; return their names. The newest stays."""
         deleted = []
         kept = self.incidents()
         for index, incident in enumerate(kept[:-1]):
@@ -142,7 +140,7 @@ class Shelf:
         return deleted
 
     def delete(self, path: Path) -> bool:
-        """Delete a file, or what was kept under a name; False if it is being written, or could not be."""
+        """Delete a file or a kept incident; False if it is being written or cannot be deleted."""
         if not path.is_dir():
             return not in_use(path) and _removed(path)
         for one in _in(path):
@@ -153,12 +151,12 @@ class Shelf:
 
 
 def robots(home: Path) -> list[str]:
-    """Return the robots of which there are recordings, by name."""
+    """Return the robots that have recordings, by name."""
     return sorted({one.name for part in ("box", "recordings") for one in _in(home / part) if one.is_dir()})
 
 
 def size_of(files: Iterable[Path]) -> int:
-    """Return how much disk files take; a file that has several names counts once."""
+    """Return the disk space of files; a file with several names counts once."""
     seen: dict[tuple[int, int], int] = {}
     for path in files:
         with contextlib.suppress(OSError):

@@ -1,4 +1,4 @@
-"""Times as people say them: `10m` ago, at `14:02`, `yesterday 9:30`, or in ISO 8601. Pure."""
+"""Parses times as people write them: `10m` ago, `14:02`, `yesterday 9:30`, or ISO 8601. Pure."""
 
 import re
 from datetime import datetime, timedelta
@@ -24,9 +24,9 @@ def seconds(text: str) -> float | None:
 
 
 def moment_ns(text: str, now_ns: int) -> int:
-    """Return the time that is meant, in nanoseconds since 1970, seen from now; InputError says how times are said.
+    """Parse a time relative to now, in nanoseconds since 1970; raise InputError with examples.
 
-    A time of day is the last one that is past: today's or yesterday's, by this machine's time zone.
+    A time of day is the last one past, of today or yesterday, in this machine's time zone.
     """
     words = text.strip().lower()
     if words in {"now", ""}:
@@ -43,13 +43,13 @@ def moment_ns(text: str, now_ns: int) -> int:
 
 
 def text(wall_ns: int, now_ns: int) -> str:
-    """Return a time as people read it: of today without the date."""
+    """Format a time for people; today's without the date."""
     at, now = (datetime.fromtimestamp(ns / 1e9).astimezone() for ns in (wall_ns, now_ns))
     return f"{at:%H:%M:%S}" if at.date() == now.date() else f"{at:%Y-%m-%d %H:%M:%S}"
 
 
 def length(seconds_: float) -> str:
-    """Return a duration as people read it."""
+    """Format a duration for people."""
     if seconds_ < 90:
         return f"{seconds_:.0f} s"
     if seconds_ < 5400:

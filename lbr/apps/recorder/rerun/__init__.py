@@ -1,5 +1,5 @@
-"""A recorded robot runs again: its own processes, on emulated devices that say what the recorded ones said.
+"""Reruns a recorded robot: its own processes, on emulated devices that send the recorded bytes.
 
-`rows` makes it a home of its own, `ends` are its devices, `feed` says the recorded commands to it, `alike` compares
-what it does with what was recorded, `check` does all of it in turn.
+`rows` makes a home for it, `ends` emulates its devices, and `feed` sends the recorded commands. `alike` compares its
+outputs with the recorded ones, and `check` runs all of it.
 """

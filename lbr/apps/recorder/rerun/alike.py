@@ -1,24 +1,27 @@
-"""The likeness of two runs of a robot: numbers as time goes on, and events. Pure; times in ns of the recording."""
+"""The comparison of two runs of a robot: numbers over time, and events. Pure; times in ns of the recording."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 WINDOW_NS = 300_000_000
-"""So far apart the same thing may be: a tick of each operation on its way, and a sweep of a bus of servos, twice."""
+"""The greatest distance in time of equal values: twice a tick of each operation on the way and a servo bus sweep."""
 TOLERANCE = 0.1
-"""Of the span that a number had in the recording. Feedback comes at other moments than then, by a tick at most: a
-turn's last creeping steps may fall otherwise by that, and nothing that is larger."""
+"""The tolerance, as a share of a number's span in the recording.
+
+Feedback comes up to a tick earlier or later than recorded. That may change the last creeping steps of a turn, and
+nothing larger.
+"""
 SMALLEST = 0.02
-"""A step of the coarsest servo's encoder in rad, and a fiftieth of full power."""
+"""The least tolerance: a step of the coarsest servo's encoder in rad, and a fiftieth of full power."""
 UNTOLD = frozenset({"id", "lease", "halt", "count", "seq", "time_s", "stamp_s"})
-"""Fields that count or name, and so are others in every run."""
+"""Fields that count or name, and so differ in every run."""
 
 Series = Sequence[tuple[int, Mapping[str, float]]]
 
 
 class Difference(NamedTuple):
-    """A number that another run had otherwise; NaN: it had none at that time."""
+    """A number that differs between two runs; NaN: missing at that time."""
 
     at_ns: int
     field: str
@@ -27,7 +30,7 @@ class Difference(NamedTuple):
 
 
 class Happened(NamedTuple):
-    """Something that happened: when, to whom, of which kind and with which code."""
+    """An event: its time, subject, kind and code."""
 
     at_ns: int
     subject: str
@@ -41,7 +44,7 @@ class Happened(NamedTuple):
 
 
 def numbers(message: object, path: str = "") -> dict[str, float]:
-    """Return the numbers of a message by their paths; what only counts or names is left out."""
+    """Return the numbers of a message by their paths; counters and names are left out."""
     if isinstance(message, bool | int | float):
         return {path: float(message)}
     values: dict[str, float] = {}
@@ -56,7 +59,7 @@ def numbers(message: object, path: str = "") -> dict[str, float]:
 
 
 def differences(recorded: Series, now: Series, window_ns: int = WINDOW_NS) -> list[Difference]:
-    """Return where one run has a number that the other has not about then; both in the order of time."""
+    """Return the numbers of each run that the other lacks at about that time; both runs are in order of time."""
     fields = {name for _, values in (*recorded, *now) for name in values}
     diffs = []
     for name in sorted(fields):
@@ -72,17 +75,17 @@ def differences(recorded: Series, now: Series, window_ns: int = WINDOW_NS) -> li
 def unmatched(
     recorded: Iterable[Happened], now: Iterable[Happened], window_ns: int
 ) -> tuple[list[Happened], list[Happened]]:
-    """Return what happened in one run alone: in the recorded one, and in this one."""
+    """Return the events of only one run: of the recorded one, and of this one."""
     remaining = sorted(now)
     alone = []
     for event in sorted(recorded):
         match = min(
             (
-                other
-                for other in remaining
-                if other.identity == event.identity and abs(other.at_ns - event.at_ns) <= window_ns
+                candidate
+                for candidate in remaining
+                if candidate.identity == event.identity and abs(candidate.at_ns - event.at_ns) <= window_ns
             ),
-            key=lambda other: abs(other.at_ns - event.at_ns),
+            key=lambda candidate: abs(candidate.at_ns - event.at_ns),
             default=None,
         )
         if match is None:
@@ -95,7 +98,7 @@ def unmatched(
 def _unmet(
     ours: list[tuple[int, float]], theirs: list[tuple[int, float]], window_ns: int, tolerance: float
 ) -> Iterable[tuple[int, float, float]]:
-    """Yield what of ours none of theirs is like within the window, with the nearest of theirs."""
+    """Yield each of our values without a similar one of theirs within the window, and their nearest."""
     first = last = 0
     for at, value in ours:
         while first < len(theirs) and theirs[first][0] < at - window_ns:

@@ -1,4 +1,4 @@
-"""Runs a recording through the robot's own processes, and says where they did something else than then."""
+"""Reruns a recording through the robot's own processes, and returns the differences."""
 
 import contextlib
 import os
@@ -31,17 +31,17 @@ READY_S = 60.0
 STOP_S = 10.0
 ROUND_S = 0.002
 SAMPLES, EVENTS = 100_000, 10_000
-"""More than a recording of minutes has of a stream."""
+"""More than a recording of some minutes has of one stream."""
 REASON_NS = 1_000_000_000
-"""So far apart the same event may be: a state that is told once a second."""
+"""The greatest distance in time of equal events: that of a state that is published once a second."""
 RENEWED_NS = 300_000_000
-"""A goal that ends so much earlier or later ends as it did: leases are renewed ten times a second."""
+"""The greatest difference in the end of an equal goal, as leases are renewed ten times a second."""
 SETTLED_NS = 200_000_000
 LATE_S = 0.5
-"""A message later than this is compared with so much around it that nothing would be found otherwise."""
+"""The lateness of a command beyond which the window of comparison would be so wide that nothing differs."""
 EXECUTIVE = "executive"
 ONE_IN = 50
-"""Samples of which one may be another: a pulse of a turn's last, creeping steps."""
+"""Of so many samples one may differ: a pulse of a turn's last, creeping steps."""
 RESULT = "/result"
 ESTOP, RESET = "estop", "estop_reset"
 
@@ -49,7 +49,7 @@ Tell = Callable[[str], None]
 
 
 class Recorded(Struct, kw_only=True):
-    """The part of a recording that is run again."""
+    """The part of a recording to rerun."""
 
     robot: str
     rows: RecordedRows
@@ -59,15 +59,15 @@ class Recorded(Struct, kw_only=True):
     streams: dict[str, list[tuple[int, dict[str, object]]]] = {}
     events: tuple[tuple[int, Event], ...] = ()
     ended: dict[str, int] = {}
-    """When each goal ended."""
+    """The end time of each goal."""
 
     def holds(self, at_ns: int, margin_ns: int = 0) -> bool:
-        """Return whether a time is in it, and not within so much of its ends."""
+        """Return whether a time lies in it, at least `margin_ns` from both ends."""
         return self.start_ns + margin_ns <= at_ns <= self.end_ns - margin_ns
 
 
 class Outcome(Struct, kw_only=True):
-    """The result. `setpoints` has the samples of each stream, `differences` those that were others."""
+    """The result. `setpoints` counts the samples of each stream, `differences` lists those that differ."""
 
     seconds: float
     runs: tuple[str, ...]
@@ -85,18 +85,18 @@ class Outcome(Struct, kw_only=True):
 
     @property
     def late(self) -> bool:
-        """Return whether this machine was too busy to say everything in its time: then nothing is shown."""
+        """Return whether this machine was too busy to send the commands in time, so that the result means nothing."""
         return self.late_s > LATE_S
 
     @property
     def same(self) -> bool:
-        """Return whether setpoints, answers and reasons were as recorded."""
+        """Return whether setpoints, answers and reasons are as recorded."""
         return not (
             self.late or any(map(self.differs, self.setpoints)) or self.answered_otherwise or self.missing or self.added
         )
 
     def differs(self, topic: str) -> bool:
-        """Return whether a stream of setpoints was another, but for a sample in `ONE_IN`."""
+        """Return whether more than one sample in `ONE_IN` of a stream differs."""
         return len({one.at_ns for one in self.differences[topic]}) * ONE_IN > self.setpoints[topic]
 
 
@@ -113,7 +113,7 @@ class _Reader:
         self.ended: dict[str, int] = {}
 
     def take(self, item: Message) -> None:
-        """Take a message."""
+        """Sort in a message."""
         if item.topic.startswith(lines.TAPED):
             self.taped.append(item)
         elif item.topic == selection.EVENT:
@@ -133,7 +133,7 @@ class _Reader:
 
 
 def read(files: tuple[Path, ...], start_ns: int, end_ns: int) -> Recorded:
-    """Take what is needed out of a recording; InputError says what it lacks."""
+    """Read the parts of a recording that a rerun needs; raise InputError if one is missing."""
     recording, damage = _Reader(), selection.Damage()
     for message in selection.messages(files, 0, end_ns, damage=damage):
         recording.take(message)
@@ -165,7 +165,7 @@ def read(files: tuple[Path, ...], start_ns: int, end_ns: int) -> Recorded:
 
 
 def run(recorded: Recorded, tell: Tell) -> Outcome:
-    """Run it; InputError if it cannot run here, BusError if it does not come up."""
+    """Rerun a recording; raise InputError if it cannot run here, BusError if the robot does not start."""
     with tempfile.TemporaryDirectory(prefix="lbr-replay-") as folder:
         place = Path(folder)
         place.chmod(0o700)
@@ -187,7 +187,7 @@ def run(recorded: Recorded, tell: Tell) -> Outcome:
 
 
 def _feed(bus: Session, recorded: Recorded, made: rows.Rerun) -> Feed:
-    """Return what was said to the robot from outside, in the recording's time."""
+    """Return the commands and stops that came from outside the robot."""
     own = {*made.runs, EXECUTIVE}
     commands = [
         command for command in recorded.exchanged.commands if command.source not in own and command.to in made.runs
@@ -204,7 +204,7 @@ def _feed(bus: Session, recorded: Recorded, made: rows.Rerun) -> Feed:
 
 
 def _play(feed: Feed, clock: Clock, recorded: Recorded, tell: Tell) -> None:
-    """Say everything in its time, and wait for the last answers."""
+    """Send everything at its time, and wait for the last answers."""
     rest, told_s = threading.Event(), 0.0
     clock.start()
     while (now_ns := clock.now_ns()) < recorded.end_ns:
@@ -219,7 +219,7 @@ def _play(feed: Feed, clock: Clock, recorded: Recorded, tell: Tell) -> None:
 
 
 class _Witness:
-    """Hears what the robot does: its setpoints, and what happens."""
+    """Receives the setpoints and events of the robot."""
 
     def __init__(self, bus: Session, recorded: Recorded, made: rows.Rerun, clock: Clock) -> None:
         topics = [f"{name}/{port}" for name, kind in made.runs.items() for port in kind.setpoints]
@@ -228,7 +228,7 @@ class _Witness:
         self._recorded, self._runs, self._clock = recorded, made.runs, clock
 
     def outcome(self, feed: Feed, made: rows.Rerun) -> Outcome:
-        """Return where it was otherwise than recorded; at both ends there is too little to compare by."""
+        """Return the differences from the recording; both its ends are left out, as they have too little to compare."""
         recorded, window_ns = self._recorded, alike.WINDOW_NS + feed.late_ns
         counts, differences = {}, {}
         for topic, subscription in self._setpoints.items():
@@ -282,7 +282,7 @@ class _Witness:
 
 @contextlib.contextmanager
 def _running(made: rows.Rerun, robot: str) -> Iterator[Session]:
-    """Run the robot for the time of a `with`; raise BusError with its own words if it does not come up."""
+    """Run the robot during a `with`; raise BusError with its output if it does not start."""
     environment = os.environ | {"LBR_HOME": str(made.home)}
     command = [sys.executable, "-m", "lbr.start", "run", str(made.profile), "--db", str(made.home / "robot.db")]
     with (made.home / "said.txt").open("w+b") as said:
@@ -320,5 +320,5 @@ def _up(process: "subprocess.Popen[bytes]", made: rows.Rerun, robot: str, output
 
 
 def _record(made: rows.Rerun, robot: str) -> home.Running:
-    """Return how to reach the robot of that home."""
+    """Return the run record of the robot in that home."""
     return msgspec.json.decode((made.home / "run" / f"{robot}.json").read_bytes(), type=home.Running)

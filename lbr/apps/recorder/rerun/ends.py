@@ -1,7 +1,7 @@
-"""Emulated ends of lines that say what a recording has: to each question its answer of about that time, the rest by the
+"""Emulated devices that replay a recording: they answer each question as at about that time, and send the rest by the
 clock.
 
-They are served by a process of their own: some drivers wait for an answer for a millisecond.
+A process of its own serves them, as some drivers wait for an answer for a millisecond only.
 """
 
 import gc
@@ -25,25 +25,24 @@ from lbr.simulation.socket_port import SocketPort
 
 ROUND_S = 0.005
 SHARE = 0.5
-"""Of the delay that a driver measured: its own and the kernel's share in it come here once more."""
+"""The share of a recorded delay that an answer waits here; the driver and the kernel add the rest again."""
 WHOLE_S = 0.002
-"""So long the rest of a question may take."""
+"""The longest wait for the rest of a question."""
 LEAD_NS = 1_000_000_000
-"""The first second is there again and again until all processes are up: what stands still then is learnt in it."""
+"""The first part of the recording, which repeats until all processes are up, so that they know the values at rest."""
 KEPT = 20
 UP_S = 10.0
 
 
 class Questions(NamedTuple):
-    """The number of questions to a device, and the first ones that were never asked in the recording."""
+    """The number of questions to a device, and the first ones that the recording does not have."""
 
     times: int
     unlike: tuple[bytes, ...]
 
 
 class Clock:
-    """Which time of the recording it is, in ns; it goes on from its beginning once `start` is called, in any
-    process."""
+    """The present time of the recording in ns, the same in every process; it advances after `start`."""
 
     def __init__(self, start_ns: int, end_ns: int) -> None:
         self.start_ns, self.end_ns = start_ns, end_ns
@@ -51,16 +50,16 @@ class Clock:
         self._began_ns: Synchronized[int] = multiprocessing.get_context("fork").Value("q", 0)
 
     def start(self) -> None:
-        """Have the recording's time go on from now."""
+        """Start the recording's time."""
         self._began_ns.value = time.monotonic_ns()
 
     @property
     def began_ns(self) -> int:
-        """When it was started, by the monotonic clock; 0: not yet."""
+        """The monotonic time of `start`; 0 before it."""
         return self._began_ns.value
 
     def now_ns(self) -> int:
-        """Return the time of the recording: its first second over and over until it starts, and its end in the end."""
+        """Return the time of the recording: its first second over and over before `start`, its end after the end."""
         began_ns = self._began_ns.value
         if not began_ns:
             return self.start_ns + (time.monotonic_ns() - self._made_ns) % LEAD_NS
@@ -68,7 +67,7 @@ class Clock:
 
 
 class _End(ABC):
-    """One device's end at a port: the questions that came, and those that were never asked in the recording."""
+    """One device at a port: how many questions it received, and those that the recording does not have."""
 
     def __init__(self, line: RecordedLine, port: PtyPort | SocketPort, clock: Clock) -> None:
         self.unlike: list[bytes] = []
@@ -78,27 +77,27 @@ class _End(ABC):
         port.plug()
 
     def fileno(self) -> int:
-        """Return what to wait for."""
+        """Return the descriptor to wait for."""
         return self._port.fileno()
 
     @abstractmethod
     def service(self) -> float:
-        """Do what is due, and return in how many seconds the next thing is."""
+        """Receive and send what is due; return the seconds until the next call."""
 
     def close(self) -> None:
-        """Take the device away."""
+        """Unplug the device."""
         with suppress(DeviceError, OSError):
             self._port.unplug()
 
     def _answers(self, question: bytes) -> tuple[Answer, ...]:
-        """Count a question, and return its answers of about now."""
+        """Count a question, and return its recorded answers at about now."""
         self.asked += 1
         if not self._line.known(question) and len(self.unlike) < KEPT:
             self.unlike.append(question)
         return self._line.answers(question, self._clock.now_ns())
 
     def _due(self) -> list[bytes]:
-        """Return the device's own messages since the last call, as the clock goes on, and goes back."""
+        """Return the unasked bytes since the last call; the clock may have gone back to the start."""
         before, self._at_ns = self._at_ns, self._clock.now_ns()
         if self._at_ns < before:
             before = self._clock.start_ns
@@ -118,7 +117,7 @@ class _TtyEnd(_End):
         self._since = 0.0
 
     def service(self) -> float:
-        """Take questions, and say what is due."""
+        """Receive questions, and send what is due."""
         if data := self._port.read():
             self._buffer += data
             self._since = time.monotonic()
@@ -153,7 +152,7 @@ class _I2cEnd(_End):
         self._requests: dict[int, RequestReader] = {}
 
     def service(self) -> float:
-        """Answer every transaction that came."""
+        """Answer every transaction received."""
         for client, data in self._port.receive():
             if not data:
                 self._requests.pop(client, None)
@@ -181,7 +180,7 @@ class _I2cEnd(_End):
 
 
 class _TalkingEnd(_End):
-    """A device at a socket that talks by itself; what it is told changes nothing."""
+    """A device at a socket that sends by itself; received bytes change nothing."""
 
     _port: SocketPort
 
@@ -189,7 +188,7 @@ class _TalkingEnd(_End):
         super().__init__(line, SocketPort(path), clock)
 
     def service(self) -> float:
-        """Say what is due."""
+        """Send what is due."""
         self._port.receive()
         for data in self._due():
             for client in self._port.clients:
@@ -198,8 +197,10 @@ class _TalkingEnd(_End):
 
 
 class Ends:
-    """The devices of a robot: lines by the address of their device. Open them before any thread is there: a process
-    forks."""
+    """The devices of a robot: lines by the device's address.
+
+    Open them before starting threads, as this forks a process.
+    """
 
     def __init__(self, clock: Clock, lines: Mapping[str, RecordedLine]) -> None:
         context = multiprocessing.get_context("fork")
@@ -212,7 +213,7 @@ class Ends:
             raise BusError(f"the recorded devices cannot be emulated: {said}")
 
     def close(self) -> dict[str, Questions]:
-        """Take all devices away; return what each was asked, by the address of its device."""
+        """Unplug all devices; return the questions to each, by the device's address."""
         asked: dict[str, Questions] = {}
         with suppress(OSError, EOFError):
             self._ours.send(None)
@@ -241,7 +242,7 @@ def _serve(clock: Clock, lines: Mapping[str, RecordedLine], parent: Connection) 
         return
     parent.send("")
     gc.freeze()
-    gc.disable()  # for the minutes that a recording lasts
+    gc.disable()  # a recording lasts minutes only
     waited_for = [parent.fileno(), *(end.fileno() for end in ends.values())]
     try:
         wait_s = 0.0

@@ -1,4 +1,4 @@
-"""Says the recorded commands to a robot that runs again, at the times of then, and keeps its answers."""
+"""Sends the recorded commands to a rerun robot at their recorded times, and collects the answers."""
 
 import contextlib
 import threading
@@ -19,7 +19,7 @@ ANSWER_S = 3.0
 WAIT_S = 0.02
 RENEW_NS = 100_000_000
 LONGER_NS = 500_000_000
-"""So much longer a goal may take, before its lease is let go as it was in the recording."""
+"""The time by which a goal may take longer before its lease is released as in the recording."""
 
 
 AGAIN_NS = 30_000_000
@@ -27,7 +27,7 @@ BUSY = frozenset({"busy", "held"})
 
 
 class Sent(Struct):
-    """A command that was said again: when, by the recording's clock, and what was answered; None: nothing yet."""
+    """A command sent again: its time by the recording's clock, and its answer, None until it comes."""
 
     command: Command
     at_ns: int
@@ -36,19 +36,19 @@ class Sent(Struct):
 
 
 class _Result(Struct):
-    """As much of a goal's result as is needed."""
+    """The part of a goal's result that the feed reads."""
 
     goal: str
 
 
 class _Leased(Struct):
-    """As much of a command as is needed."""
+    """The part of a command that the feed reads."""
 
     lease: str = ""
 
 
 class _Goal(Struct):
-    """A goal that a source has: what it is called now, when it ended then, and by what it is renewed."""
+    """The goal of a source: its name in this run, its recorded end, and the payload that renews it."""
 
     name: str
     ended_ns: int
@@ -58,15 +58,16 @@ class _Goal(Struct):
 
     @property
     def until_ns(self) -> int:
-        """So long it is waited for."""
+        """The latest time to wait for its end."""
         return self.ended_ns + LONGER_NS
 
 
 class Feed:
-    """The commands from outside, oldest first; a lease of then is the one that was given for it now.
+    """The commands from outside, oldest first; each recorded lease is replaced by the one of this run.
 
-    `ended` is when each goal of the recording ended: who waited for that then does so now. `results` are streams of
-    them.
+    `ended` has the recorded end of each goal: a source that waited for it then also waits now. `results` are the topics
+    of
+    results.
     """
 
     def __init__(
@@ -94,7 +95,7 @@ class Feed:
         self._waiting: list[tuple[Sent, bytes, wire.PendingQuery]] = []
 
     def step(self, now_ns: int) -> None:
-        """Say what is due, and read answers."""
+        """Send what is due, and read answers."""
         self._read_answers(now_ns)
         while self._stops and self._stops[0][0] <= now_ns:
             self._emergency(engaged=self._stops.popleft()[1])
@@ -113,12 +114,12 @@ class Feed:
                 self._ask(Sent(goal.begun.command, now_ns, renews=True), goal.payload)
 
     def finish(self, now_ns: int) -> bool:
-        """Read answers; say whether all are there."""
+        """Read answers; return whether all have come."""
         self._read_answers(now_ns)
         return not self._waiting and not self._again
 
     def otherwise(self, window_ns: int) -> list[Sent]:
-        """Return what was answered otherwise than then; of renewals, what none of about that time was answered like."""
+        """Return the commands with another answer than recorded; a renewal may match any at about that time."""
         renewals: dict[tuple[str, str, str], list[tuple[int, object, object]]] = {}
         for sent in self.sent:
             if sent.renews:
@@ -139,7 +140,7 @@ class Feed:
         return differing
 
     def _held(self, command: Command, now_ns: int) -> bool:
-        """Return whether who sends this waited for the end of a goal, which is not there yet."""
+        """Return whether the command's source still waits for the end of a goal, as in the recording."""
         goal = self._goals.get(command.source)
         if goal is None or goal.name in self._over:
             return False
@@ -170,8 +171,7 @@ class Feed:
                 wire.put(self._bus, key, msgspec.Raw(payload), source=command.source, urgent=True)
 
     def _await(self, at_ns: int, now_ns: int) -> None:
-        """Have the answers that were there when this was sent: who sent it knew them, and what comes after is judged by
-        it."""
+        """Wait for the answers that the sender of a command had in the recording, as later answers depend on it."""
         for said, _payload, query in self._waiting:
             while said.command.answered_ns <= at_ns and not query.replies and not query.done:
                 self._woken.clear()
@@ -207,7 +207,7 @@ class Feed:
             self._goals[command.source] = _Goal(now, self._ended[then], sent, renewal, now_ns)
 
     def _comes_again(self, said: Sent, reply: Mapping[str, object], now_ns: int) -> bool:
-        """Return whether it was only too early: what went on for a moment longer than then is over soon."""
+        """Return whether to send the command again: it was refused because a goal lasts a moment longer."""
         accepted = bool(said.command.reply.get("accepted"))
         return accepted and reply.get("code") in BUSY and now_ns - said.at_ns < LONGER_NS
 
@@ -222,7 +222,7 @@ class Feed:
 
 
 def judged(reply: Mapping[str, object] | None) -> tuple[object, object, object]:
-    """Return what counts of an answer, whatever leases are called."""
+    """Return the parts of an answer to compare; names of leases differ in each run."""
     found = reply or {"accepted": "no answer"}
     return found.get("accepted"), found.get("code", ""), found.get("cause", "")
 
@@ -232,6 +232,6 @@ def _line_of(command: Command) -> tuple[str, str, str]:
 
 
 def _lease_of(payload: bytes) -> str:
-    """Return the lease that a command quotes; empty: none, or it cannot be read."""
+    """Return the lease in a command; empty without one, or if it is malformed."""
     found = read_or_none(payload, _Leased)
     return found.lease if found is not None else ""

@@ -1,4 +1,4 @@
-"""A home in which a recorded robot runs again: its rows of then, without what looks at, serves or leaves the robot."""
+"""A home for the rerun of a recorded robot: its rows then, without the parts for people or other machines."""
 
 import shutil
 from collections.abc import Collection, Mapping
@@ -19,22 +19,22 @@ from lbr.database.tables import Schema
 from lbr.errors import InputError
 
 OUTSIDE = frozenset({"call", "mqtt", "power", "registrar"})
-"""Kinds that reach beyond the robot: to other machines, or to this machine's switch."""
+"""Kinds that reach beyond the robot, to other machines or to this machine's switch."""
 
 
 class Rerun(Struct, frozen=True, kw_only=True):
-    """Where it runs: its home and launch profile, which capabilities run, and which not, with the reason."""
+    """The place of the rerun: its home and launch profile, the capabilities that run, and why others do not."""
 
     home: Path
     profile: Path
     runs: Mapping[str, Kind]
     left_out: Mapping[str, str]
     devices: Mapping[str, str]
-    """The address of each device's end."""
+    """The address of each emulated device."""
 
 
 def prepare(place: Path, robot: str, rows: RecordedRows, lines: Collection[str]) -> Rerun:
-    """Make the home; InputError if these rows cannot run here."""
+    """Make the home; raise InputError if these rows cannot run here."""
     database = place / "robot.db"
     own = home.home() / "capabilities"
     if own.is_dir():
@@ -58,7 +58,7 @@ def prepare(place: Path, robot: str, rows: RecordedRows, lines: Collection[str])
 
 
 def _profile(robot: str, without: Collection[str], devices: Mapping[str, str]) -> str:
-    """Return a launch profile in which nothing is real; TOML writes lists and texts as JSON does."""
+    """Return a launch profile without real devices; TOML writes lists and texts as JSON does."""
     document = {
         "robot": robot,
         "description": "a recorded robot, on emulated devices that say what was recorded",
@@ -71,7 +71,7 @@ def _profile(robot: str, without: Collection[str], devices: Mapping[str, str]) -
 
 
 def _running(rows: RecordedRows, lines: Collection[str], place: Path) -> tuple[dict[str, Kind], dict[str, str]]:
-    """Return the kinds of the capabilities that can run again, and why the others do not."""
+    """Return the kinds of the capabilities that can run again, and the reasons of the others."""
     kinds: dict[str, Kind] = {}
     left_out: dict[str, str] = {}
     enabled = [row for row in rows.tables.get("capability", []) if row["enabled"]]
@@ -110,7 +110,7 @@ def _lacks(row: Mapping[str, object], kinds: Mapping[str, Kind], left_out: Mappi
 
 
 def _changes(tables: RawTables, schema: Schema, robot: str, rows: RecordedRows) -> tuple[Change, ...]:
-    """Return what makes of shipped rows the recorded ones; InputError for rows of another form."""
+    """Return the changes from the shipped rows to the recorded ones; raise InputError for rows of another version."""
     after = dict(tables)
     if not any(row["name"] == robot for row in tables[ROBOT]):
         like = tables[ROBOT][0]
