@@ -6,6 +6,7 @@ one has become worse than docs/prose.toml says; `--write` stores what they are n
 
 import argparse
 import ast
+import inspect
 import re
 import sys
 import tomllib
@@ -36,6 +37,9 @@ CONSTRUCTIONS = {
     ),
 }
 _SENTENCE_END = re.compile(r"(?<=[.!?])[\"')]*\s+(?=[\"'(]*[A-Z0-9`])")
+_INDENTED = re.compile(r"^ {4}.*$", re.MULTILINE)
+"""Diagrams and examples in docstrings, left out like fenced blocks in pages."""
+_ITEM = re.compile(r"\n+- ")
 _WORD = re.compile(r"[A-Za-z][A-Za-z'-]*|\d[\d.,]*")
 
 
@@ -69,7 +73,8 @@ def docstring_sentences(package: Path) -> Iterator[str]:
         for node in ast.walk(ast.parse(path.read_text())):
             match node:
                 case ast.Expr(value=ast.Constant(value=str(text))):
-                    yield from sentences(re.sub(r"`[^`]*`", CODE, text))
+                    plain = _INDENTED.sub("", inspect.cleandoc(text))
+                    yield from sentences(re.sub(r"`[^`]*`", CODE, _ITEM.sub("\n\n", plain)))
 
 
 def sentences(text: str) -> Iterator[str]:

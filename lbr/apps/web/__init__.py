@@ -1,4 +1,4 @@
-"""The robot over HTTP: one server for all faces; which of them it shows, and to whom, are settings."""
+"""The robot over HTTP: one server for all faces; settings decide which faces it shows, and to whom."""
 
 from lbr.component import CliCommand, Component
 

@@ -1,4 +1,4 @@
-"""Tells who asks: this machine, its owner, trusted networks, tokens and their roles."""
+"""Identifies the client of a request: this machine, its owner, trusted networks, tokens and their roles."""
 
 import ipaddress
 import secrets
@@ -17,17 +17,17 @@ if TYPE_CHECKING:
     from lbr.apps.web.login import Login
 
 HERE: Role = "view"
-"""The rights of every program of this machine, for any user; stopping is part of it."""
+"""The role of every program on this machine, of any user; it includes stops."""
 OWNER: Role = "admin"
 TRUSTED: Role = "operate"
 OLD_SCHEME, NONE = "TOK:", "none"
 
 
 class Access:
-    """Knows the trusted networks and the tokens; a token is proven against its row when it is shown first.
+    """The trusted networks and the tokens; a token is checked against its row's hash at its first use.
 
-    `legacy`: programs of this machine operate, and a GET of theirs or of a trusted network's may move. `login` knows
-    the cookies: who shows one looks, besides what its place allows.
+    `legacy`: programs of this machine operate, and a GET from here or from a trusted network may move. `login` knows
+    the cookies, whose clients may look in addition to the rights of their place.
     """
 
     def __init__(
@@ -45,7 +45,7 @@ class Access:
         self._proven: dict[str, bool] = {}
 
     def admit(self, user: LanUser) -> None:
-        """Know one more token from now on; from any thread."""
+        """Add a token; from any thread."""
         self._users = {**self._users, user.name: user}
 
     def client(
@@ -58,10 +58,13 @@ class Access:
         owner: bool = False,
         whose: str | None = None,
     ) -> Client:
-        """Return the asker at `port`; Refused (401) for an invalid token. `shown` is a token that no header has.
+        """Return the client at `port`; raise Refused (401) for an invalid token.
 
-        A proxy is not believed about others, but it shows that this is not a user at this machine. `owner`: the kernel
-        says that the program that asks is of this robot's own user; `whose` is what else it says.
+        `token` is one from outside the headers.
+
+        A proxy's claims about its clients are ignored, but it proves that the client is not a user of this machine.
+        `owner`: the kernel reports that the client's program is of this robot's own user; `whose` is the user it
+        reports.
         """
         if not token and "authorization" in headers:
             token = self._token(headers["authorization"].strip())
@@ -72,11 +75,11 @@ class Access:
         return replace(client, session=session, role=client.role or "view") if session else client
 
     def _token(self, authorization: str) -> str:
-        """Return the token in a header, Bearer or as the robot lbr's old clients write it (`TOK:`); Refused (401) for
-        another.
+        """Return the token in a header: Bearer, or `TOK:` of the robot lbr's old clients. Raise Refused (401) for any
+        other.
 
-        A token that the old robot gave out says nothing here. Where `legacy` is open it counts as none, so that
-        programs that still show it go on.
+        A token of the old robot is not valid here. With `legacy` it is ignored, so that programs that still send it go
+        on.
         """
         if authorization.startswith(OLD_SCHEME):
             token = authorization.removeprefix(OLD_SCHEME).strip()
@@ -110,7 +113,7 @@ class Access:
         return Client(address, name=user.name, role="view" if user.role == "host" else user.role)
 
     def _is_proven(self, user: LanUser) -> bool:
-        """Return whether a row's hash is of the secret that belongs to it; takes some 25 ms, once."""
+        """Return whether a row's hash belongs to its secret; takes about 25 ms, once."""
         if user.name not in self._proven:
             self._proven[user.name] = tokens.fits(user.secret, user.hash)
         return self._proven[user.name]

@@ -1,4 +1,4 @@
-"""At which addresses this machine is reached, by others or by itself."""
+"""The addresses at which other machines or this one reach this machine."""
 
 import ipaddress
 import socket
@@ -10,7 +10,7 @@ import ifaddr
 from lbr.apps.http.names import EVERYWHERE
 
 _OUTSIDE = ("192.0.2.1", 9)
-"""An address without a machine (RFC 5737): the kernel names our own address for a packet to it, and none is sent."""
+"""An address without a machine (RFC 5737). For a packet to it the kernel names our own address; no packet is sent."""
 
 
 def of_machine() -> tuple[str, ...]:
@@ -22,14 +22,14 @@ def of_machine() -> tuple[str, ...]:
 
 
 def reached_at(host: str, own_addresses: Iterable[str]) -> tuple[str, ...]:
-    """Return the addresses at which a server that listens at `host` is reached, given those of this machine."""
+    """Return the addresses of a server that listens at `host`, on a machine with these addresses."""
     if host not in EVERYWHERE:
         return (host,)
     return tuple(one for one in own_addresses if host == "::" or ":" not in one)
 
 
 def url(address: str, port: int, *, tls: bool) -> str:
-    """Return an address as a browser or a phone takes it."""
+    """Return the URL of a server for a browser or a phone."""
     return f"{'https' if tls else 'http'}://{f'[{address}]' if ':' in address else address}:{port}/"
 
 
@@ -45,5 +45,5 @@ def _outward() -> str:
         try:
             probe.connect(_OUTSIDE)
         except OSError:
-            return ""  # there is no network now
+            return ""  # no network now
         return str(probe.getsockname()[0])

@@ -1,4 +1,4 @@
-"""Where the server is reached, in words and addresses."""
+"""The address of the server, as URLs and in words."""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -15,8 +15,10 @@ if TYPE_CHECKING:
 
 
 class AdvertisedAddress:
-    """Where a server listens at `port`, and which names its certificate adds; `look` again for what the network has
-    changed. From any thread."""
+    """The addresses of a server at `port`, and the names in its certificate. From any thread.
+
+    `look` reads the machine's addresses again.
+    """
 
     def __init__(
         self,
@@ -33,22 +35,22 @@ class AdvertisedAddress:
         self._settings = settings
         self._certified = ""
         if self.tls and settings.names:
-            with suppress(InputError):  # the server reports it when it reads them
+            with suppress(InputError):  # the server reports the error when it reads the files
                 self._certified = settings.names[0] if home.given_credentials(*certificates.OWN_FILES) else ""
         self._own_addresses = own_addresses
         self.look()
 
     def look(self) -> tuple[str, ...]:
-        """Return the addresses as they are now."""
+        """Read and return the present addresses."""
         self.addresses = addresses.reached_at(self._settings.host, self._own_addresses() if self.open else ())
         self.urls = tuple(addresses.url(one, self.port, tls=self.tls) for one in self.addresses)
         return self.addresses
 
     @property
     def url(self) -> str:
-        """The most useful address; empty without a network.
+        """The most useful URL; empty without a network.
 
-        With the owner's certificate it has the first name of the setting `names`, as the certificate is for names.
+        With the owner's certificate it has the first name of the setting `names`, as that certificate is for names.
         """
         if self.urls and self._certified:
             return addresses.url(self._certified, self.port, tls=True)
@@ -56,11 +58,11 @@ class AdvertisedAddress:
 
     @property
     def local(self) -> str:
-        """The address by this machine's name in multicast DNS; it works while the server is announced."""
+        """The URL with this machine's name in multicast DNS; it works while the server is announced."""
         return addresses.url(names.announced(), self.port, tls=self.tls)
 
     def words(self) -> str:
-        """Return in a few lines who reaches it, and how to change that."""
+        """Return in a few lines who can reach the server, and how to change that."""
         if not self.open:
             return f"Only this machine reaches {self.url}. 'phone' lets a phone in your network reach it."
         if not self.urls:
@@ -69,7 +71,7 @@ class AdvertisedAddress:
         return f"{self.url}{others}\n{self._clients()}"
 
     def text(self) -> str:
-        """Return the address with its QR code, for a terminal."""
+        """Return the URL with its QR code, for a terminal."""
         if not (self.open and self.urls):
             return self.words()
         return f"{qr.characters(self.url)}\n{self.words()}\nOn a light terminal cameras may not read it; the same code is at {self.url}qr"

@@ -1,4 +1,4 @@
-"""Tells the network by zeroconf where the robot is, for as long as it is there; runs in the server's event loop."""
+"""Announces the robot in the network by zeroconf while the server runs, in the server's event loop."""
 
 import asyncio
 import hashlib
@@ -14,14 +14,14 @@ KINDS = ("_http._tcp.local.", "_lbr._tcp.local.")
 
 
 def own_mark(addresses: tuple[str, ...], port: int) -> str:
-    """Return what tells a server from others: machines of one image have the same host name, but not one address."""
+    """Return a mark of this server; machines from one image have the same host name, but different addresses."""
     return hashlib.blake2b(f"{addresses} {port}".encode(), digest_size=3).hexdigest()
 
 
 class Announcer:
     """Announces `name` at `port`, with the addresses of `where` and the `properties`, and follows their changes.
 
-    The announced name ends with a mark, and the host name is this machine's alone: robots cannot be mixed up.
+    The announced name ends with a mark, and the host name is this machine's alone, so robots cannot be mixed up.
 
     - `said`: the announced name, or empty.
     - `trouble`: the reason why it is not announced, or empty.
@@ -38,7 +38,7 @@ class Announcer:
         self._properties = properties
 
     async def run(self) -> None:
-        """Announce until cancelled; nothing that goes wrong ends it."""
+        """Announce until cancelled; errors do not end it."""
         while True:
             addresses = self._where()
             if not addresses:
@@ -50,7 +50,7 @@ class Announcer:
                 await asyncio.sleep(wait_s)
 
     async def _announce(self, addresses: tuple[str, ...]) -> float:
-        """Announce for as long as the addresses stay; return how long to wait before the next try."""
+        """Announce while the addresses stay; return the wait before the next try."""
         try:
             from zeroconf import Error, IPVersion
             from zeroconf.asyncio import AsyncServiceInfo, AsyncZeroconf

@@ -1,4 +1,4 @@
-"""The answers of the server: its routes behind their guards, and for each request its asker, rights, and reply."""
+"""The application: its routes behind their guards, and for each request its client, rights, and response."""
 
 import asyncio
 from collections.abc import Callable, Coroutine, Iterable, Iterator, Mapping
@@ -28,7 +28,7 @@ from lbr.apps.web.routing import Path, asked_path
 LARGEST_BODY = 64 * 1024
 BODY_S = 10.0
 REGARDLESS_S = 0.2
-"""The wait for the body of a request that is done regardless of it: a stop does not wait for a reason."""
+"""The wait for the body of a stop, which is done without it: a stop does not wait for a reason."""
 NO_ROUTE = """<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -48,7 +48,7 @@ InLoop = Callable[..., Coroutine[Any, Any, Response]]
 
 
 class Knows(Protocol):
-    """The register of askers."""
+    """Identifies clients."""
 
     def client(
         self,
@@ -60,18 +60,18 @@ class Knows(Protocol):
         owner: bool = False,
         whose: str | None = None,
     ) -> Client:
-        """Return the asker; Refused (401) for an invalid token."""
+        """Return the client; raise Refused (401) for an invalid token."""
 
 
 class Gate:
-    """Says of a request who asks, and lets it pass or refuses it."""
+    """Identifies the client of a request, and admits or refuses it."""
 
     def __init__(self, access: Knows, pages: Pages) -> None:
         self._access = access
         self._pages = pages
 
     def refuse_strangers(self, scope: Scope, headers: Mapping[str, str], *, visit: bool = False) -> None:
-        """Raise Refused (403) for what a foreign page has a browser ask; a `visit` is a link that is followed."""
+        """Raise Refused (403) for a request by a foreign page; a `visit`, a link that a user follows, is allowed."""
         scheme = "https" if scope["scheme"] in {"https", "wss"} else "http"
         stranger = self._pages.stranger(headers, scheme)
         if stranger and not visit:
@@ -80,16 +80,16 @@ class Gate:
             )
 
     def allows(self, origin: str) -> bool:
-        """Return whether pages of an origin may ask."""
+        """Return whether pages of an origin may send requests."""
         return self._pages.allows(origin)
 
     async def client(
         self, scope: Scope, headers: Mapping[str, str], token: str = "", *, owner: bool = False, signs_in: bool = False
     ) -> Client:
-        """Return the asker; Refused (401) for an invalid token.
+        """Return the client; raise Refused (401) for an invalid token.
 
-        With `owner`, a program of the robot's own user on this machine is its owner, unless it shows a token. With
-        `signs_in`, the program's user is looked up also without a cookie.
+        With `owner`, a program of the robot's own user on this machine is its owner, unless it sends a token. With
+        `signs_in`, the program's user is looked up even without a cookie.
         """
         address, port = address_of(scope), (scope.get("server") or ("", 0))[1] or 0
         owner = owner and not token and "authorization" not in headers and names.is_loopback(address)
@@ -129,7 +129,10 @@ class Gate:
         return {name: given[name.removesuffix("_")] for name in promised.takes}
 
     async def _client_of(self, route: Route, scope: Scope, headers: Mapping[str, str], *, signs_in: bool) -> Client:
-        """Return the client; a wrong token is ignored if the route is for everybody, as stops are on this machine."""
+        """Return the client.
+
+        An invalid token is ignored if the route is for everybody, as stops on this machine are.
+        """
         address = address_of(scope)
         everybody = route.role is None or (route.stops is True and names.is_loopback(address))
         try:
@@ -141,7 +144,7 @@ class Gate:
 
 
 class Endpoint(BaseRoute):
-    """A declared route as a route of Starlette. HEAD is answered as GET."""
+    """A declared route as a route of Starlette. HEAD is treated as GET."""
 
     def __init__(self, route: Route, gate: Gate, in_loop: InLoop) -> None:
         self.route = route
@@ -153,7 +156,7 @@ class Endpoint(BaseRoute):
         self._in_loop = in_loop
 
     def matches(self, scope: Scope) -> tuple[Match, Scope]:
-        """Return whether a request matches this route, with the keys of its path."""
+        """Return whether a request matches this route, and the keys of its path."""
         if scope["type"] != "http" or scope["method"] not in self._methods or not self.path.fits(asked_path(scope)):
             return Match.NONE, {}
         if self._accept and not _accepts(scope, self._accept):
@@ -188,7 +191,7 @@ def application(
     in_loop: InLoop,
     names_are: str = "in the setting 'names' of its row",
 ) -> Router:
-    """Return the app: all routes behind their guards. `in_loop` runs the handlers that are coroutines."""
+    """Return the application: all routes behind their guards. `in_loop` runs the handlers that are coroutines."""
 
     async def otherwise(scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "websocket":
@@ -226,7 +229,7 @@ def _accepts(scope: Scope, media: bytes) -> bool:
 
 
 def _also_for_all(routes: Iterable[Route]) -> Iterator[Route]:
-    """Yield the routes; one for a media type is there for everybody where its path has no other."""
+    """Yield the routes; a route for a media type serves every client if its path has no other."""
     every = list(routes)
     taken = {(route.method, route.path) for route in every if not route.accept}
     for route in every:
@@ -236,8 +239,7 @@ def _also_for_all(routes: Iterable[Route]) -> Iterator[Route]:
 
 
 def no_route(scope: Scope, endpoints: Iterable[Endpoint]) -> Response:
-    """Return the page that Express shows for what it does not know; what is below `/api` is refused in the API's own
-    form."""
+    """Return Express's page for an unknown path; raise Refused below `/api`."""
     if f"{asked_path(scope).lower()}/".startswith("/api/"):
         allowed = methods(endpoints, asked_path(scope))
         instead = f"it takes {', '.join(allowed)}" if allowed else "GET /api and /openapi.json name what there is"
@@ -265,7 +267,7 @@ def _options(scope: Scope, endpoints: Iterable[Endpoint], gate: Gate) -> Respons
 
 
 async def _whose(scope: Scope) -> str | None:
-    """Return whose program asks; looked up once for a connection, beside the server's thread."""
+    """Return the user of the client's program; looked up once for each connection, on another thread."""
     connection = connection_of(scope)
     if connection is None:
         return None

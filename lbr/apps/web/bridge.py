@@ -1,7 +1,7 @@
-"""Between the server's thread and the capability's loop: a coroutine goes over there, and what it returns comes back.
+"""Runs coroutines of the server's thread in the capability's loop, and returns their results.
 
-The one promise between a request and its answer is here. In the loop a coroutine is resumed once a round, and looks for
-itself whether what it waits for is there: no callbacks, and no other thread.
+The loop resumes a coroutine once a round, and the coroutine then checks its own condition: no callbacks, and no other
+thread. The only promise between a request and its answer is here.
 """
 
 import asyncio
@@ -19,15 +19,15 @@ MOST_WAITING = 256
 
 
 class Promise(Future[T], Generic[T]):
-    """A result that comes in a later round of the loop; who waits for it may have left meanwhile."""
+    """A result of a later round of the loop; its receiver may have left meanwhile."""
 
     def keep(self, result: T) -> None:
-        """Give the result, once; ignored if it is no longer waited for."""
+        """Set the result, once; ignored if nobody waits for it any more."""
         with suppress(InvalidStateError):
             self.set_result(result)
 
     def refuse(self, err: BaseException) -> None:
-        """Say why there will be none."""
+        """Set the error that takes the place of a result."""
         with suppress(InvalidStateError):
             self.set_exception(err)
 
@@ -38,13 +38,13 @@ class _NextRound:
 
 
 async def until(ready: Callable[[], bool]) -> None:
-    """Wait, in the loop, for the round in which something is so; it may be this one."""
+    """Wait, in the loop, for the round in which `ready` is true; it may be this one."""
     while not ready():
         await _NextRound()
 
 
 class Bridge:
-    """`call` is for the server's thread, all else for the loop's."""
+    """Runs coroutines in the loop. `call` is for the server's thread, all else for the loop's."""
 
     def __init__(self, wake: Callable[[], None], failed: Callable[[Exception], None]) -> None:
         self._wake = wake
@@ -54,10 +54,10 @@ class Bridge:
         self._closed = ""
 
     async def call(self, work: Coroutine[Any, Any, T], *, timeout_s: float = ANSWER_S) -> T:
-        """Have a coroutine run in the loop, and return what it returns.
+        """Run a coroutine in the loop, and return its result.
 
-        Refused (503) if the loop ends, has too much to do, or nothing came of it in time. An act that has begun goes on
-        also if it is no longer waited for: its requests to the robot may have been done.
+        Raise Refused (503) if the loop ends, is overloaded, or gives no result in time. A coroutine that has begun goes
+        on even if nobody waits for it any more: its requests to the robot may have been done.
         """
         if self._closed or len(self._inbox) >= MOST_WAITING:
             work.close()
@@ -73,29 +73,29 @@ class Bridge:
             ) from None
 
     def start(self, work: Coroutine[Any, Any, T]) -> Promise[T]:
-        """Run a coroutine, from within the loop; the promise says what became of it."""
+        """Run a coroutine, from within the loop; the promise receives its result."""
         promise: Promise[T] = Promise()
         self._go_on(work, promise)
         return promise
 
     def serve(self) -> None:
-        """Go on with all that is under way, and begin what waits."""
+        """Resume all coroutines under way, and begin those that wait."""
         under_way, self._under_way = self._under_way, []
         for work, promise in under_way:
             self._go_on(work, promise)
         while self._inbox:
             work, promise = self._inbox.popleft()
             if promise.cancelled():
-                work.close()  # the asker is gone
+                work.close()  # the client is gone
             else:
                 self._go_on(work, promise)
 
     def open(self) -> None:
-        """Take what comes again."""
+        """Accept calls again."""
         self._closed = ""
 
     def close(self, why: str) -> None:
-        """Refuse what waits, and all that comes."""
+        """Refuse all waiting and later calls."""
         self._closed = why
         for waiting in (self._inbox, self._under_way):
             while waiting:
@@ -109,7 +109,7 @@ class Bridge:
             promise.refuse(err)
 
         try:
-            with border(broken, StopIteration, Refused):  # a fault in one answer must not silence the others
+            with border(broken, StopIteration, Refused):  # a fault in one answer must not block the others
                 work.send(None)
                 self._under_way.append((work, promise))
         except StopIteration as done:

@@ -1,4 +1,4 @@
-"""The answers of the server itself, without any face: states, stopping, its address, and its routes."""
+"""The server's own routes, without any face: states, stops, its address, and its documentation."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -45,7 +45,7 @@ from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.system import ConsoleResult, EstopResetCommand
 
 STOPS = ("halt", "stop_motion")
-"""The request ports that stop, first those to parts that move by themselves: once they stand, the robot does."""
+"""The request ports for stops, first those of capabilities that move by themselves: once they stand, the robot does."""
 NOTICED_S = 0.5
 RESET_S, STOP_S = 3.0, 1.0
 HERE = "lbr.apps.web"
@@ -53,13 +53,13 @@ _results = Decoder(ConsoleResult)
 
 
 class EstopBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Why the emergency stop is engaged."""
+    """The reason for the emergency stop."""
 
     reason: Annotated[str, Meta(max_length=200)] = ""
 
 
 class EstopAnswer(Struct, frozen=True, kw_only=True):
-    """`noticed`: whatever moves, joints and wheels, has said that it heard of it."""
+    """The result; `noticed`: joints and wheels, as far as the robot has them, report the stop."""
 
     message: str
     engaged: bool
@@ -93,7 +93,7 @@ class BuiltinRoutes:
         return static(HERE, "docs.css", STYLE)
 
     def describe(self, routes: Sequence[Route], version: str) -> None:
-        """Make the document of all routes there are."""
+        """Make the document of all routes."""
         self._document = openapi.document(
             routes,
             title=f"The robot {self._robot.name}",
@@ -105,14 +105,14 @@ class BuiltinRoutes:
     def _state(self) -> Annotated[Response, {200: State}]:
         """The newest state of everything that moves.
 
-        The WebSocket `/ws?rate_hz=20` sends the same whenever it changes.
+        The WebSocket `/ws?rate_hz=20` sends the same after each change.
         """
         return encoded(self._states.encoded(self._robot.snapshot))
 
     @post("/stop", stops=True, within_s=2 * STOP_S + 1.0)
     async def _stop(self, request: Request) -> Annotated[Message, Refuses({409: "The robot does not stop so."})]:
         """Stop: wheels stand, joints hold where they are."""
-        # Requests that arrive during a round share the next one, so that each part is asked once a round at most.
+        # Requests during a round share the next one, so that each capability is asked at most once a round.
         why = f"stopped by {request.client}"
         self._api.stopped(request.came_s)
         self._faces.stopped(why)
@@ -129,10 +129,10 @@ class BuiltinRoutes:
         return Message(message="stopped")
 
     async def _stop_all(self, why: str, source: str) -> Refused | None:
-        """Ask all that is wired; return why something does not stop. A part that moves by itself stands once it reports
-        so.
+        """Ask all wired capabilities to stop; return why one does not.
 
-        A part that can be held here and is not wired is stopped by the console's word, which no row takes away.
+        A capability that moves by itself answers once it stands. If one whose motion can be held here is not wired, the
+        console's stop is sent as well, which no row disables.
         """
         stop = StopCommand(reason=why[:200], whole=True)
         asked = {name: self._robot.ctx.ask(name, stop, STOP_S) for name in self._wired()}
@@ -146,7 +146,7 @@ class BuiltinRoutes:
             if any(refusals):
                 return next(filter(None, refusals))
             if request == STOPS[0]:
-                break  # all that moves stands; who moved it may be restarting
+                break  # all that moves stands; the capability that moved it may be restarting
         if line is None:
             return None
         await until(lambda: line.done or bool(line.replies))
@@ -167,7 +167,7 @@ class BuiltinRoutes:
     async def _estop(self, request: Request, body: EstopBody | None = None) -> EstopAnswer:
         """Latch the emergency stop.
 
-        With any body: one that is not JSON only gives no reason.
+        Any body is accepted; one that is not JSON gives no reason.
         """
         given = body.reason if body is not None else ""
         why = f"{given} ({request.client})" if given else f"by {request.client}"
@@ -188,7 +188,7 @@ class BuiltinRoutes:
     async def _reset(self) -> Annotated[Message, Refuses({409: "It stays latched."})]:
         """Release the emergency stop.
 
-        By itself this moves nothing.
+        This alone moves nothing.
         """
         reply = await self._robot.ask("estop_reset", EstopResetCommand(), timeout_s=RESET_S)
         if not reply.accepted:
@@ -224,14 +224,14 @@ class BuiltinRoutes:
 
 
 def _refusal(name: str, answer: CommandReply | None) -> Refused | None:
-    """Return why something does not stop; None if it does."""
+    """Return why a capability does not stop; None if it does."""
     if answer is None:
         return Refused(503, f"'{name}' does not answer", {"Retry-After": "1"})
     return None if answer.accepted else Refused(409, answer.why)
 
 
 def _unless_done(question: PendingQuery) -> Refused | None:
-    """Return why a line did not do what it says; None if it did."""
+    """Return why a console line failed; None if it succeeded."""
     if not question.replies:
         return Refused(503, "the robot does not answer", {"Retry-After": "1"})
     try:

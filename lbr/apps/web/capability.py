@@ -1,4 +1,4 @@
-"""The server as a process: listens, carries questions between HTTP and the bus, keeps the newest states."""
+"""The server as a process: it listens, passes requests between HTTP and the bus, and keeps the newest states."""
 
 import socket
 import sys
@@ -46,18 +46,18 @@ from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.web import AddressReply, WebState
 
 SWITCH_S = 0.0005
-"""Two threads share the interpreter, and a client waits for both."""
+"""The interpreter's switch interval. Two threads share the interpreter, and a client waits for both."""
 TELL_S = 1.0
 BUSY_HZ, IDLE_HZ, IDLE_AFTER_S = 50.0, 10.0, 2.0
-"""The pace at which states are looked at while there is a client, or was one lately, and without."""
+"""The pace of the loop with a client, now or in the last `IDLE_AFTER_S`, and without one."""
 LOOK_S = 5.0
 KNOWS_S = 5.0
-"""The wait of a listening server for the first reports of its faces; where a device is missing, they never come."""
+"""The longest wait for the first reports of all faces; without their device they never come."""
 ENDS = "the server ends; it comes back at once if its rows were changed"
 
 
 class Web(Capability[WebSettings]):
-    """Raises DeviceError while it cannot listen."""
+    """The server. Raises DeviceError if it cannot listen."""
 
     rate_hz = BUSY_HZ
     woken_by_streams = False
@@ -107,7 +107,7 @@ class Web(Capability[WebSettings]):
         self._warn_of_openness()
 
     def step(self) -> None:
-        """Do what was asked for, and note what is new."""
+        """Run what clients requested, and read new states."""
         now = self.ctx.clock()
         self._robot.moved = tuple(one.message for one in self.ctx.take("moved"))
         self._robot.played = tuple(one.message for one in self.ctx.take("played"))
@@ -130,11 +130,11 @@ class Web(Capability[WebSettings]):
             self._tell()
 
     def answers(self) -> bool:
-        """Return whether the faces know what their first clients ask for, or it will not come."""
+        """Return whether the faces have their first reports, or the wait for these is over."""
         return self._faces.know() or self.ctx.clock() - self._opened >= KNOWS_S
 
     def command(self, call: Call) -> None:
-        """Say where it is, or stop what was asked for here."""
+        """Return the address, or stop the motion requested here."""
         if call.name == "address":
             listens = self._serving is not None
             place = self._place
@@ -151,11 +151,11 @@ class Web(Capability[WebSettings]):
             super().command(call)
 
     def degraded(self, reason: str) -> None:
-        """Say that no client is served."""
+        """Report that no client is served."""
         self.ctx.publish("state", WebState(listening=False, faces=self._faces.names, reason=reason))
 
     def close(self) -> None:
-        """Stop serving; what was asked for until now is refused."""
+        """Stop serving; refuse the requests under way."""
         self._bridge.close(ENDS)
         if self._api is not None:
             self._api.release(ENDS)
@@ -164,13 +164,13 @@ class Web(Capability[WebSettings]):
         if self._serving is not None:
             self._serving.stop()
             self._serving = None
-            self._bridge.close(ENDS)  # for what came meanwhile
+            self._bridge.close(ENDS)  # for requests that came meanwhile
         if self._api is not None:
             self._api.close()
             self._api = None
 
     def _open_bus(self) -> RobotBus | None:
-        """Return a way onto the bus for the API; None if it has none."""
+        """Return the API's bus; None on a machine without one."""
         return opened(self.ctx)
 
     def _application(self) -> ASGIApp:
@@ -202,7 +202,7 @@ class Web(Capability[WebSettings]):
 
     @property
     def _legacy(self) -> bool:
-        """Return whether the old API is open to apps without a token."""
+        """Return whether the old API is open to programs without a token."""
         setting = self.ctx.settings.legacy
         return setting == "on" or (setting == "simulated" and self.ctx.simulated)
 
@@ -216,7 +216,7 @@ class Web(Capability[WebSettings]):
         return self._announcer.run
 
     def _announced(self) -> dict[str, str]:
-        """Return what the network is told beside where this server is: `door` is the port of the door for programs."""
+        """Return the announced properties; `door` is the port of the door for programs."""
         properties = {"path": "/", "robot": self.ctx.robot, "tls": str(int(self._place.tls))}
         with suppress(LbrError, OSError):
             lan = [at for one in home.running() if one.robot == self.ctx.robot for at in one.lan]
@@ -226,13 +226,13 @@ class Web(Capability[WebSettings]):
         return properties
 
     def _take_pace(self, now: float) -> None:
-        """Step as often as clients need."""
+        """Set the pace of the loop to the need of clients."""
         if (self._serving is not None and self._serving.connections) or self._counts.requests != self._requests:
             self._requests, self._busy_until = self._counts.requests, now + IDLE_AFTER_S
         self.rate_hz = BUSY_HZ if now < self._busy_until else IDLE_HZ
 
     def _look(self, now: float) -> None:
-        """Note the newest states, for requests on the other thread."""
+        """Store the newest states for requests on the other thread."""
         self._robot.snapshot = Snapshot(
             at=now,
             inputs={name: last for name in PORTS.states if (last := self.ctx.latest(name)) is not None},

@@ -1,8 +1,9 @@
-"""The contract of a route, read from its handler's signature and docstring.
+"""The contract of a route, from its handler's signature and docstring.
 
 The parameters:
 
-- `request`, `client`, `whose`: the request, its sender, and the user of the sender's program.
+- `request`, `client`: the request and its sender.
+- `whose`: the user of the sender's program.
 - the keys of the path, by their names; `id` as `id_`.
 - `params`: a Struct of the query's parameters.
 - `body`: the type of the JSON body, optional with `| None`. A query or body of another type is refused.

@@ -1,8 +1,7 @@
-"""Faces: methods that are declared as routes, and a step in the loop of the capability.
+"""Faces: methods declared as routes, and a step in the capability's loop.
 
-A route's answers and its part of the OpenAPI document come from its method's signature and docstring: see `contract`.
-
-A face lives in the capability's loop, on one thread. It runs `step`, `stopped` and each handler that is a coroutine.
+A route's answers, and its part of the OpenAPI document, come from its method's signature and docstring: see `contract`.
+A face lives on one thread, in the capability's loop. It runs `step`, `stopped` and each handler that is a coroutine.
 A plain function answers at once on the server's thread; it may read constant data only.
 """
 
@@ -44,7 +43,7 @@ CODES: dict[int, Code] = {
     500: "failed",
     503: "unreachable",
 }
-"""The code of a refusal by its status, unless the refusal has its own."""
+"""The code of a refusal by its status, unless the refusal has its own code."""
 
 
 class Message(Struct, frozen=True, kw_only=True, omit_defaults=True):
@@ -57,7 +56,7 @@ class Message(Struct, frozen=True, kw_only=True, omit_defaults=True):
 class Refused(Exception):  # noqa: N818 - an answer, not a fault
     """An answer `{"message": ..., "code": ...}` with a status, raised at any depth.
 
-    The code is the argument, else the code of the `Reason`, else the status's. The header `Reason-Code` has it as well.
+    The code is the argument, else the code of the `Reason`, else the status's. The header `Reason-Code` has it, too.
     """
 
     def __init__(
@@ -78,11 +77,11 @@ class Refused(Exception):  # noqa: N818 - an answer, not a fault
 
 @dataclass(frozen=True, slots=True)
 class Client:
-    """The asker: its address, its token (empty: without one), and its rights (None: nothing).
+    """The client: its address, the name of its token (empty: without one), and its role (None: no rights).
 
-    `legacy`: the row lets a GET move that nothing proves to be no web page's. `session` is what is kept of the cookie
-    that a browser was given for a token. `whose` program asks, the kernel says: a user's of this machine, or of another
-    machine (empty).
+    - `legacy`: the row allows it to move by a GET that a web page may have sent.
+    - `session`: the mark of the session of its cookie.
+    - `whose`: the user of its program as the kernel reports it; empty for another machine.
     """
 
     address: str
@@ -94,12 +93,12 @@ class Client:
 
     @property
     def known(self) -> bool:
-        """Return whether it is known who that is: by a token, a cookie, or as this robot's own user, and not by a place
+        """Return whether the client is identified by a token, a cookie, or as this robot's own user, not by its place
         alone."""
         return bool(self.name or self.session) or self.role == "admin"
 
     def may(self, role: Role | None) -> bool:
-        """Return whether this client may do what needs a role; None is for everybody."""
+        """Return whether this client has a role; None is for everybody."""
         return role is None or (self.role is not None and RANKS[self.role] >= RANKS[role])
 
     def __str__(self) -> str:
@@ -108,7 +107,7 @@ class Client:
 
 
 Query = tuple[tuple[str, str], ...]
-"""A query's parameters in their order; a name may be repeated."""
+"""A query's parameters in their order; a name may repeat."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -129,11 +128,11 @@ class Request:
     came_s: float = inf
 
     def require(self, role: Role) -> None:
-        """Raise Refused unless the request may do what needs a role.
+        """Raise Refused unless the client has the role, and meant the request.
 
-        Routes call it that need more of some requests than of others; for what every request needs the server does.
-        A GET that does more than look must be proven to be no foreign page's: browsers send it for any page's picture,
-        and not every browser says so. One that loads ahead says that no user asked for it yet.
+        The server calls it for a route's least role; a route calls it if some requests need more. A GET for more
+        than looking must be proven not to be a foreign page's. Browsers send one for any page's picture, and some do
+        not mark it. A GET that a browser sends ahead of its user's click is refused.
         """
         refuse_without(self.client, role)
         moves = self.method in {"GET", "HEAD"} and RANKS[role] > RANKS["view"]
@@ -149,7 +148,7 @@ class Request:
 
 
 def refuse_without(client: Client, role: Role | None) -> None:
-    """Raise Refused unless a client may do what needs a role."""
+    """Raise Refused unless a client has the role."""
     if client.may(role):
         return
     if client.name:
@@ -167,24 +166,24 @@ def refuse_without(client: Client, role: Role | None) -> None:
 
 
 def refuse_unknown(client: Client) -> None:
-    """Raise Refused unless it is known who a client is."""
+    """Raise Refused unless a client is known."""
     if not client.known:
         text = "this is for who is known: show the token, 'Authorization: Bearer TOKEN', or sign in at /index.html"
         raise Refused(401, text, {"WWW-Authenticate": 'Bearer realm="lbr"'})
 
 
 def json(data: object, status: int = 200, **headers: str) -> Response:
-    """Return an answer in JSON, keys in the order that they have; a header's `_` stands for `-`."""
+    """Return a JSON response, keys in their order; a header's `_` stands for `-`."""
     return encoded(_encode(data), status, **headers)
 
 
 def encoded(content: bytes, status: int = 200, **headers: str) -> Response:
-    """Return an answer in JSON that is bytes already."""
+    """Return a JSON response of encoded bytes."""
     return Response(content, status, _named(headers), f"{JSON}; charset=utf-8")
 
 
 def text(content: str, status: int = 200, media: str = TEXT, **headers: str) -> Response:
-    """Return an answer that is plain text, or other text by its media type."""
+    """Return a text response, plain or of another media type."""
     return Response(content, status, _named(headers), media)
 
 
@@ -209,10 +208,10 @@ class Route:
     - `handle`: its signature is the contract. A coroutine answers in the capability's loop, a plain function at once.
     - `role`: the least role; None admits everybody, `known` admits known clients (`Client.known`).
     - `page`: a link from any other page may open it, so it must change nothing. Foreign pages reach no other route.
-    - `accept`: a media type, such as `text/html`. The route comes first for clients that name it in `Accept`.
-    - `stops`: the handler runs regardless of the body; a late, too large or wrong one is None. A function decides by the
-      path's keys and the body; the handler then runs even if the sender has left.
-    - `within_s`: the time for a coroutine's answer; then the status is 503.
+    - `accept`: a media type, such as `text/html`. For clients that name it in `Accept` the route comes first.
+    - `stops`: the handler runs whatever the body is; a late, too large or malformed body becomes None. A function
+      decides by the path's keys and the body; the handler then runs even if the sender has left.
+    - `within_s`: the time for a coroutine's answer; after it the status is 503.
     """
 
     method: Method
@@ -269,33 +268,36 @@ def declared(owner: object) -> list[Route]:
 
 
 class Face:
-    """A way to show the robot; subclass it. A component's `faces` names what makes it: `face(robot) -> Face`."""
+    """A way to show the robot; subclass it.
+
+    A component's `faces` names the function that makes it: `face(robot) -> Face`.
+    """
 
     name: str = ""
 
     def routes(self) -> Sequence[Route]:
-        """Return what it answers; asked for once."""
+        """Return its routes; called once."""
         return declared(self)
 
     def step(self, now: float) -> None:
         """Do one round of work, in the capability's loop; must not block."""
 
     def knows(self) -> bool:
-        """Return whether it has heard what its clients ask for first; for some seconds the server is not called ready
-        before."""
+        """Return whether it has the data that its clients request first; the server waits some seconds for it to be
+        ready."""
         return True
 
     def stopped(self, reason: str) -> None:
-        """Forget what is waiting to be done: the robot was stopped by way of this server, or it ends."""
+        """Drop pending work: the robot was stopped by way of this server, or the server ends."""
 
     def close(self) -> None:
-        """End what goes on by itself, such as streams: the server ends."""
+        """End all that goes on by itself, such as streams, as the server ends."""
 
     def state(self) -> Mapping[str, object]:
-        """Return what belongs into the stream of states besides the robot's own; from the capability's loop, often."""
+        """Return its part of the stream of states; called often, in the capability's loop."""
         return {}
 
     @property
     def jobs(self) -> int:
-        """Return how many jobs wait or are under way."""
+        """Return the number of jobs that wait or are under way."""
         return 0

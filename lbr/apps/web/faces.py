@@ -1,5 +1,5 @@
-"""Chooses the faces that are shown: those that the row names, out of installed packages. A face that cannot be shown is
-refused in words."""
+"""Loads the faces that the row names from installed packages; a face that cannot be shown is refused with the
+reason."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 
 class Shown:
-    """A face behind a guard: whatever breaks in it ends this face and no other. `broken` says what did."""
+    """A face behind a guard: an error in it ends this face and no other. `broken` names the error."""
 
     def __init__(self, face: Face, routes: Iterable[Route], label: str) -> None:
         self.name = face.name
@@ -29,7 +29,7 @@ class Shown:
         self.routes = tuple(replace(route, handle=self._guarded(route.handle)) for route in routes)
 
     def run(self, work: Callable[[Face], T], otherwise: T) -> T:
-        """Return what the face does; `otherwise` once it is broken."""
+        """Return the result of the face's work; `otherwise` once it is broken."""
         if not self.broken:
             with border(self._break):
                 return work(self._face)
@@ -69,11 +69,11 @@ class Faces:
                     self._refuse(label, err.why)
 
     def add(self, face: Face) -> None:
-        """Have a face shown that no package brings."""
+        """Add a face that no package brings."""
         self._loaded.append((f"face '{face.name}' of this process", face))
 
     def open(self, builtin: Iterable[Route]) -> list[Route]:
-        """Return the routes of all faces that fit beside the server's own and one another's."""
+        """Return the routes of all faces; refuse a face whose routes are taken by the server or another face."""
         builtin = tuple(builtin)
         self.shown, self._taken = [], dict.fromkeys(map(_claim, builtin), "the server")
         loaded, self._loaded = self._loaded, []
@@ -90,44 +90,44 @@ class Faces:
 
     @property
     def trouble(self) -> str:
-        """Return what is not shown, and why; empty if all is."""
+        """Return the faces that are not shown, and why; empty if all are."""
         return "; ".join([*self._refused, *(one.broken for one in self.shown if one.broken)])
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Return what is shown."""
+        """Return the names of the shown faces."""
         return tuple(one.name for one in self.shown if not one.broken)
 
     @property
     def jobs(self) -> int:
-        """Return how many jobs wait or are under way."""
+        """Return the number of jobs that wait or are under way."""
         return sum(shown.run(lambda face: int(face.jobs), 0) for shown in self.shown)
 
     def step(self, now: float) -> None:
-        """Let each do a round of work."""
+        """Do one round of work in each face."""
         for shown in self.shown:
             shown.run(lambda face: face.step(now), None)
 
     def know(self) -> bool:
-        """Return whether all have heard what their clients ask for first."""
+        """Return whether all faces have the data that their clients request first."""
         return all(shown.run(lambda face: bool(face.knows()), True) for shown in self.shown)
 
     def stopped(self, reason: str) -> None:
-        """Have each forget what waits: the robot was stopped by way of this server, or it ends."""
+        """Drop the pending work of each face."""
         for shown in self.shown:
             shown.run(lambda face: face.stopped(reason), None)
 
     def close(self) -> None:
-        """Have each end what goes on by itself."""
+        """Close each face."""
         for shown in self.shown:
             shown.run(lambda face: face.close(), None)
 
     def states(self) -> dict[str, dict[str, object]]:
-        """Return what each adds to the stream of states."""
+        """Return each face's part of the stream of states."""
         return {shown.name: shown.run(lambda face: dict(face.state()), {}) for shown in self.shown}
 
     def _fitting(self, face: Face, builtin: tuple[Route, ...]) -> tuple[Route, ...]:
-        """Return a face's routes; raise InputError if they are no routes, are taken, or cannot be described."""
+        """Return a face's routes; raise InputError if they are not routes, are taken, or cannot be described."""
         with border(lambda err: InputError(f"its routes cannot be described: {told(err)}")):
             routes = tuple(face.routes())
             for route in routes:
@@ -146,7 +146,7 @@ class Faces:
 
 
 def _chosen(name: str) -> tuple[list[Plugin], str]:
-    """Return the packages that bring a face of that name, and why it is missing; empty if it is there."""
+    """Return the packages with a face of that name, or why it is missing."""
     found = [one for one in plugins.every("faces") if one.name == name]
     if found:
         return found, ""
@@ -157,7 +157,7 @@ def _chosen(name: str) -> tuple[list[Plugin], str]:
 
 
 def _made(point: Plugin, robot: Robot) -> Face:
-    """Import a face and make it; PluginError says why that does not work."""
+    """Import a face and make it; raise PluginError with the reason if that fails."""
     make = point.load()
     try:
         face = make(robot)
@@ -167,6 +167,7 @@ def _made(point: Plugin, robot: Robot) -> Face:
 
 
 def _claim(route: Route) -> tuple[str, str, str]:
-    """Return what only one route may answer: a method of a path, whatever its keys are called, for whom it is."""
+    """Return the claim that only one route may have: the method, the path without its keys' names, and the media
+    type."""
     parts = route.path.rstrip("/").lower().split("/")
     return route.method, "/".join("{}" if part.startswith("{") else part for part in parts), route.accept

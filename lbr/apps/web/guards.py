@@ -1,5 +1,4 @@
-"""The guards of every request before its route, outermost first, as middleware: always answered, not too much, by our
-name."""
+"""The guards of every request before its route, as middleware, outermost first: `Answering`, `Limits`, `Hosts`."""
 
 import asyncio
 import sys
@@ -24,8 +23,7 @@ from lbr.errors import told
 
 LONGEST_URL = 4096
 TOO_OFTEN_S = 0.25
-"""The wait of a client that asks too often for its refusal, so that a flood leaves time for those who stop the robot.
-"""
+"""The delay of a refusal for too many requests, so that a flood leaves time for those who stop the robot."""
 _READ, CAME = "lbr.headers", "lbr.came"
 SECURITY = {
     "content-security-policy": "default-src 'none'; img-src 'self' data:; script-src 'self'; style-src 'self'; "
@@ -38,7 +36,7 @@ SECURITY = {
 
 
 class Counts:
-    """The counts and reports of the server; written by its thread, read by the loop's."""
+    """The counts and reports of the server; its thread writes them, the loop reads them."""
 
     def __init__(self) -> None:
         self.requests = 0
@@ -46,12 +44,12 @@ class Counts:
         self.news: deque[tuple[str, str, str]] = deque(maxlen=64)
 
     def tell(self, kind: str, text: str, level: str = "info") -> None:
-        """Have an event published."""
+        """Queue an event to publish."""
         self.news.append((kind, text, level))
 
 
 class Answering:
-    """Answers what was refused or broke on the way, counts, and gives each answer the headers that browsers heed."""
+    """Answers refused and broken requests, counts all, and adds the security headers for browsers."""
 
     def __init__(self, app: ASGIApp, *, pages: Pages, counts: Counts) -> None:
         self._app = app
@@ -59,7 +57,7 @@ class Answering:
         self._counts = counts
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer one request, whatever it is."""
+        """Answer one request."""
         if scope["type"] not in {"http", "websocket"}:
             return
         self._counts.requests += 1
@@ -105,7 +103,7 @@ class Answering:
 
 
 class Limits:
-    """Refuses what one asker asks too often, or too much at once. A stop is neither; `is_stop` knows it."""
+    """Refuses clients with too many requests a second or at once. Stops, known by `is_stop`, are never refused."""
 
     def __init__(self, app: ASGIApp, *, rates: Rates, is_stop: Callable[[Scope], bool]) -> None:
         self._app = app
@@ -125,7 +123,7 @@ class Limits:
             await asyncio.sleep(TOO_OFTEN_S)
             raise Refused(429, "too many requests a second from this address", {"Retry-After": "1"})
         if scope["type"] == "websocket":
-            await self._app(scope, receive, send)  # bounded where it is looked at
+            await self._app(scope, receive, send)  # its own route bounds it
             return
         if busy := self._turns.why_not(asker):
             raise Refused(
@@ -136,7 +134,7 @@ class Limits:
 
 
 class Hosts:
-    """Refuses (421) what asks for another host, or by a name that is not certain to mean this machine."""
+    """Refuses (421) requests for another host, or by a name that may not mean this machine."""
 
     def __init__(self, app: ASGIApp, *, own: frozenset[str], where: str) -> None:
         self._app = app
@@ -155,7 +153,7 @@ class Hosts:
 
 
 def headers_of(scope: Scope) -> dict[str, str]:
-    """Return a request's headers by small letters, read once; of one that came several times, all of its values."""
+    """Return a request's headers by lower-case names, decoded once; repeated ones are joined by commas."""
     read: dict[str, str] | None = scope.get(_READ)
     if read is not None:
         return read
@@ -167,13 +165,13 @@ def headers_of(scope: Scope) -> dict[str, str]:
 
 
 def address_of(scope: Scope) -> str:
-    """Return the address that a request comes from."""
+    """Return the client's address."""
     client = scope.get("client")
     return str(client[0]) if client else ""
 
 
 async def _answer(response: Response, scope: Scope, receive: Receive, send: Send, *, begun: bool) -> None:
-    """Answer, unless an answer has begun: that is cut off, and its reader sees so."""
+    """Answer, unless an answer has begun: that one is cut off, and its reader notices."""
     if begun:
         return
     if scope["type"] == "websocket":

@@ -50,9 +50,9 @@ class OldApi(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `web`.
 
-    TLS where other machines reach it, unless `clear_text`. `trusted`: networks whose clients operate without a token.
-    `legacy`: opens what is older than tokens: all programs of this machine may then move the robot, by a GET, too,
-    which any web page can send. `simulated`: only while the robot is.
+    It serves HTTPS where other machines reach it, unless `clear_text` is set. Clients in `trusted` networks operate
+    without a token. `legacy` opens the API from before tokens: all programs of this machine may then move the robot. A
+    GET may move it, too, and any web page can send one. With `simulated` this holds only while the robot is simulated.
     """
 
     host: Annotated[str, Meta(description="where to listen; 0.0.0.0 for every network")] = "127.0.0.1"
@@ -73,7 +73,7 @@ class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     old_api: OldApi = OldApi()
 
     def __post_init__(self) -> None:
-        """Refuse what is no network and no origin, before anybody counts on it."""
+        """Refuse bad networks, bad origins, and settings that contradict each other."""
         for network in self.trusted:
             try:
                 ip_network(network, strict=False)
@@ -86,7 +86,7 @@ class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
             raise ValueError("tls and clear_text: only one of them can be true")
 
     def doubts(self) -> tuple[str, ...]:
-        """Return which faces no installed package brings; the server shows the others."""
+        """Return the faces that no installed package brings; the server shows the others."""
         there = sorted(plugins.installed("faces"))
         text = f"there are {', '.join(there) or 'none'}"
         missing = tuple(f"faces: no package brings '{name}'; {text}" for name in self.faces if name not in there)
@@ -119,7 +119,7 @@ PORTS, REFUSED = with_faces(
         rows=(Joint, MotionRow, MotionStep, Motor, Button, LanUser),
     )
 )
-"""The ports of the server and of all faces that are installed; in REFUSED what is wrong with those of some."""
+"""The ports of the server and of all installed faces; REFUSED has the faults of the others."""
 
 PHONE = "Connect a phone: open the web server to your network, and show a code to scan"
 LETS_IN = ("host", "tls", "clear_text", "legacy", "trusted", "cors", "names", "announce")

@@ -1,4 +1,4 @@
-"""Signing in: a browser shows a token once and gets a cookie for it. A cookie looks, and stops, and does nothing
+"""Signing in: a browser sends a token once and receives a cookie, which allows looking and stopping, and nothing
 else."""
 
 from collections.abc import Mapping
@@ -12,7 +12,7 @@ from lbr.apps.web.sessions import LIFE_S, Sessions, name_in
 
 
 class Login:
-    """The routes to sign in and out, which set and delete cookies of this `name`; with `tls` for https alone."""
+    """The routes to sign in and out, which set and delete cookies of this `name`; with `tls` for https only."""
 
     def __init__(self, sessions: Sessions, name: str, *, tls: bool) -> None:
         self._sessions = sessions
@@ -20,13 +20,13 @@ class Login:
         self._tls = tls
 
     def session(self, headers: Mapping[str, str], whose: str | None) -> str:
-        """Return the mark of the session whose cookie a user shows; empty without, and where the user is unknown."""
+        """Return the mark of the session of a request's cookie; empty without one, or if its user is unknown."""
         cookie = self._cookie(headers)
         return self._sessions.find(cookie, whose) if cookie and whose is not None else ""
 
     @post("/session", role="known")
     def _begin(self, client: Client) -> Annotated[Response, {204: None}]:
-        """Give a browser a cookie for the token shown."""
+        """Exchange a token for a cookie."""
         if not client.name:
             raise Refused(401, "show the token itself: 'Authorization: Bearer TOKEN'")
         response = Response(status_code=204)
@@ -34,7 +34,7 @@ class Login:
         return response
 
     def give(self, response: Response, name: str, whose: str | None) -> None:
-        """Put a cookie for a token into an answer; none if it is not known whose program asks."""
+        """Add a token's cookie to a response, unless the user of the client's program is unknown."""
         if whose is None:
             return
         cookie = self._sessions.begin(name, whose)
@@ -44,13 +44,13 @@ class Login:
 
     @route("DELETE", "/session", role=None)
     def _end(self, client: Client) -> Annotated[Response, {204: None}]:
-        """End the session whose cookie is shown."""
+        """End the session of the cookie."""
         self._sessions.end(client.session)
         return self._signed_out()
 
     @route("DELETE", "/sessions", role="known")
     def _end_all(self, client: Client) -> Annotated[Response, {204: None}]:
-        """End all sessions of its token."""
+        """End all sessions of the client's token."""
         self._sessions.end_all(client.name or name_in(client.session))
         return self._signed_out()
 

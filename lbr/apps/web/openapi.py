@@ -1,4 +1,4 @@
-"""The OpenAPI document, out of the routes that answer."""
+"""The OpenAPI document of the server's routes."""
 
 import re
 from collections.abc import Iterable, Mapping

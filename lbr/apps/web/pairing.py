@@ -1,7 +1,6 @@
-"""Pairing: a device shows the six digits that a person read at the robot's console, and gets a token of its own.
+"""Pairing: a device sends the six digits that a person read at the robot's console, and receives a token of its own.
 
-The executive drew the digits, compares them and makes the token. The server carries them there and the token back, and
-knows of no code but the one that a device shows.
+The executive draws the digits, compares them and makes the token. The server only passes digits and token on.
 """
 
 import re
@@ -24,13 +23,13 @@ from lbr.messages.pairing import PairCommand, PairReply
 from lbr.messages.system import Role
 
 PAIR_S = 5.0
-"""A wrong code is answered late, on purpose."""
+"""The wait for the executive, which delays the answer to wrong digits on purpose."""
 REFUSES = Refuses({403: "The code is wrong, used or over.", 429: "Too many are tried at once."})
 STATUSES = {"token": 403, "busy": 429, "malformed": 400}
 
 
 class PairBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The digits, and what the device is to be called."""
+    """The digits, and a name for the device."""
 
     code: Annotated[
         str, Meta(pattern="^[0-9]{3} ?[0-9]{3}$(?!\\n)", description="six digits, as the console shows them")
@@ -39,7 +38,7 @@ class PairBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class PairAnswer(Struct, frozen=True, kw_only=True):
-    """A token, told this once, with the name that it is listed and revoked by, and what it may."""
+    """A token, sent only this once, with the name to list and revoke it by, and its role."""
 
     token: str
     name: str
@@ -47,7 +46,7 @@ class PairAnswer(Struct, frozen=True, kw_only=True):
 
 
 class PairingRoutes:
-    """The route by which devices pair. `access` and `login` know a token from the moment in which it is given."""
+    """The route that pairs devices. `access` and `login` know a new token at once."""
 
     def __init__(self, robot: Robot, access: Access, login: Login) -> None:
         self._robot = robot
@@ -60,8 +59,8 @@ class PairingRoutes:
     ) -> Annotated[Response, {200: PairAnswer}, REFUSES]:
         """Get a token for the code at the console.
 
-        The console's word `pair` shows six digits, good for two minutes, one device and four mistakes. The answer gives
-        a cookie as well, as `/session` does. Wrong digits are answered after a second.
+        The console's word `pair` shows six digits, good for two minutes, one device and four mistakes. The answer also
+        sets a cookie, as `/session` does. Wrong digits are answered after a second.
         """
         asked = PairCommand(digits=re.sub("[^0-9]", "", body.code), name=body.name, address=client.address[:64])
         reply: PairReply = await self._robot.ask("pair", asked, timeout_s=PAIR_S)
@@ -76,13 +75,13 @@ class PairingRoutes:
 
 
 class _WithCookie(Response):
-    """An answer that gets its cookie when it is sent, which is on the server's thread, as the sessions are."""
+    """A response that gets its cookie when it is sent, on the server's thread, as the sessions live there."""
 
     def __init__(self, answer: PairAnswer, give: Callable[[Response], None]) -> None:
         super().__init__(msgspec.json.encode(answer), 200, None, f"{JSON}; charset=utf-8")
         self._give = give
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Send it."""
+        """Add the cookie, and send the response."""
         self._give(self)
         await super().__call__(scope, receive, send)

@@ -1,6 +1,6 @@
-"""The reads and requests of a face beyond the server's own. Light to import: rows are checked by it.
+"""The inputs and requests of a face beyond the server's own. Light to import, as rows are checked by it.
 
-A package declares it in a module of its own, and names it in the `ports` of its component, as it names its face:
+A package declares them in a module of its own, and its component names that in `ports`, beside its face:
 
     PORTS = FacePorts(inputs={"gripper": GripperState}, states=("gripper",), requests={"grip": GripCommand})
 """
@@ -15,16 +15,16 @@ from lbr.messages.rows import Row
 from lbr.plugins import PluginError
 
 OF_STATE = {"robot", "age_s", "faces"}
-"""The part of `/state` besides the inputs."""
+"""The fields of `/state` that are not inputs."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FacePorts:
-    """Ports of the kind `web`, which has them wherever the package is installed that brings them.
+    """Ports that a package adds to the kind `web` while it is installed.
 
-    `states` are the inputs whose newest value is in `/state`, under its name. A port without a type in `replies` is
-    answered by a CommandReply. Each input is optional. `edits` are the tables whose rows it may have written, by the
-    request `edit`.
+    - `states`: the inputs whose newest value is in `/state`, under its name. Each input is optional.
+    - `replies`: the types of answers; without one it is a CommandReply.
+    - `edits`: the tables whose rows the request `edit` may write.
     """
 
     inputs: Mapping[str, type[Struct]] = field(default_factory=dict)
@@ -36,7 +36,7 @@ class FacePorts:
 
 
 def with_faces(own: FacePorts) -> tuple[FacePorts, tuple[str, ...]]:
-    """Return the server's own ports with those of installed faces, and a sentence for each that cannot be had."""
+    """Return the server's own ports with those of installed faces, and a sentence for each refused one."""
     ports, refused = own, []
     for name in sorted(plugins.installed("ports")):
         try:
@@ -64,7 +64,7 @@ def _with(ports: FacePorts, name: str) -> FacePorts:
 
 
 def _contradictions(ports: FacePorts, more: FacePorts) -> Iterator[str]:
-    """Yield why ports do not go with those that are there: a name stands for one message."""
+    """Yield the conflicts of new ports with the present ones: a name stands for one message."""
     for of, known, added in (
         ("input", ports.inputs, more.inputs),
         ("request", ports.requests, more.requests),
@@ -83,7 +83,7 @@ def _contradictions(ports: FacePorts, more: FacePorts) -> Iterator[str]:
 
 
 def _missing(ports: FacePorts, more: FacePorts) -> Iterator[str]:
-    """Yield what ports speak of that is not there."""
+    """Yield the names in ports that do not exist."""
     if taken := [name for name in more.states if name in OF_STATE]:
         yield f"states: '{taken[0]}' is what `/state` says itself; choose another name"
     if lost := [name for name in more.states if name not in more.inputs and name not in ports.inputs]:

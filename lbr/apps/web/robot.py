@@ -1,4 +1,4 @@
-"""The robot as faces see it: its rows, the newest of its states, and questions to it."""
+"""The robot for faces: its rows, its newest states, and requests to it."""
 
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -23,7 +23,7 @@ EDIT_S = 5.0
 
 
 class Snapshot(Struct, frozen=True, kw_only=True):
-    """The newest message of each input; `faces` is what each face adds."""
+    """The newest message of each input; `faces` is each face's part of the states."""
 
     at: float
     inputs: dict[str, Received] = {}
@@ -31,52 +31,52 @@ class Snapshot(Struct, frozen=True, kw_only=True):
 
     @property
     def joints(self) -> Received | None:
-        """The joints, as they were received last."""
+        """The last state of the joints."""
         return self.inputs.get("joints")
 
     @property
     def motions(self) -> Received | None:
-        """Return what is played, as it was received last."""
+        """The last state of the motions."""
         return self.inputs.get("motions")
 
     @property
     def drive(self) -> Received | None:
-        """The base, as it was received last."""
+        """The last state of the base."""
         return self.inputs.get("drive")
 
     @property
     def ranges(self) -> Received | None:
-        """The range sensors, as they were received last."""
+        """The last readings of the range sensors."""
         return self.inputs.get("ranges")
 
     @property
     def battery(self) -> Received | None:
-        """The battery, as it was received last."""
+        """The last state of the battery."""
         return self.inputs.get("battery")
 
     @property
     def is_latched(self) -> bool:
-        """Return whether the emergency stop is latched in all that moves, as far as it was heard."""
+        """Return whether every known state of joints and drive reports the emergency stop."""
         states = [last.message for last in (self.joints, self.drive) if last is not None]
         return bool(states) and all(state.estop for state in states)
 
     @property
     def joints_state(self) -> JointsState | None:
-        """The joints, however long ago that was."""
+        """The last message of the joints, of any age."""
         return self.joints.message if self.joints is not None else None
 
     @property
     def motions_state(self) -> MotionsState | None:
-        """Return what is played."""
+        """The last message of the motions, of any age."""
         return self.motions.message if self.motions is not None else None
 
 
 class Robot:
-    """All but `name`, `settings`, `snapshot`, `sessions` and `tell` is for the capability's loop.
+    """The robot. All but `name`, `settings`, `snapshot`, `sessions` and `tell` is for the capability's loop.
 
-    `sessions` are the cookies that stand for tokens, for the server's thread; `tell` has an event published.
-
-    `moved` and `played` are the goals of joints and motions that ended, new in this round.
+    - `sessions`: the cookies that stand for tokens, for the server's thread.
+    - `tell`: publishes an event.
+    - `moved`, `played`: the goals of joints and motions that ended in this round.
     """
 
     def __init__(
@@ -96,7 +96,7 @@ class Robot:
 
     @property
     def motions(self) -> tuple[Motion, ...]:
-        """The motions as they are now."""
+        """The present motions."""
         rows, steps = self.ctx.rows(MotionRow), self.ctx.rows(MotionStep)
         if (rows, steps) != self._composed[:2]:
             self._composed = rows, steps, motions_of(rows, steps)
@@ -104,12 +104,12 @@ class Robot:
 
     @property
     def motors(self) -> tuple[Motor, ...]:
-        """Rows of the table `motor`, as they are now."""
+        """The present rows of the table `motor`."""
         return self.ctx.rows(Motor)
 
     @property
     def buttons(self) -> tuple[Button, ...]:
-        """Rows of the table `button`, as they are now."""
+        """The present rows of the table `button`."""
         return self.ctx.rows(Button)
 
     def now(self) -> float:
@@ -117,23 +117,23 @@ class Robot:
         return self.ctx.clock()
 
     async def ask(self, request: str, message: Struct, *, timeout_s: float = 1.0) -> Any:
-        """Ask by a request port that is wired to one capability, and return its answer; Refused (503) without one."""
+        """Send a request that is wired to one capability, and return its answer; raise Refused (503) without one."""
         return answer_of(request, await self.ask_all(request, message, timeout_s=timeout_s))
 
     async def ask_all(self, request: str, message: Struct, *, timeout_s: float = 1.0) -> dict[str, Any]:
-        """Ask all that a request port is wired to; return their answers, None for one that gave none."""
+        """Send a request to all capabilities that it is wired to; return their answers, None for a missing one."""
         asked = self.ctx.ask(request, message, timeout_s)
         await until(lambda: asked.answers() is not None)
         return dict(asked.answers() or {})
 
     def start(self, work: "Coroutine[Any, Any, T]") -> "Promise[T]":
-        """Have work go on that no request waits for."""
+        """Start a coroutine that no request waits for."""
         return self._bridge.start(work)
 
     async def edit(
         self, rows: "Collection[Row]", *, create: bool = False, revision: int | None = None, by: str = ""
     ) -> EditReply:
-        """Have rows written, see `EditCommand`; once they are, this robot has them."""
+        """Write rows, see `EditCommand`; once they are written, this robot has them."""
         command = EditCommand(rows=by_table(rows), create=create, revision=revision, by=by)
         reply = cast("EditReply", await self.ask("edit", command, timeout_s=EDIT_S))
         if reply.accepted:
@@ -142,7 +142,7 @@ class Robot:
 
 
 def answer_of(request: str, answers: dict[str, Any]) -> Any:
-    """Return the one answer to a question; Refused (503) says what is missing."""
+    """Return the answer of the only capability; raise Refused (503) without one."""
     if len(answers) != 1:
         raise Refused(
             503,

@@ -1,7 +1,7 @@
-"""Finds the route that answers a request, and what it takes out of it. Pure.
+"""Matches requests to routes, and converts their parameters and bodies. Pure.
 
-Paths are found as widespread servers do: letters in either case, and with or without a slash at the end. They are
-compared as they were written: what is hidden behind percent signs is another path.
+Paths match as in most servers: in either case, and with or without a slash at the end. They are compared as sent, so a
+percent-encoded path is another path.
 """
 
 import re
@@ -25,7 +25,7 @@ _PLACE = re.compile(r" - at `\$(?:\.([^`]*))?`\Z")
 
 
 class Path:
-    """A path in Starlette's syntax, such as `/motion/{key}`. It is compared with paths in percent-encoding.
+    """A path in Starlette's syntax, such as `/motion/{key}`, to match percent-encoded paths.
 
     A key such as `{rest:path}` matches the whole rest with its slashes, and may be empty.
     """
@@ -35,23 +35,23 @@ class Path:
         self._pattern = re.compile(f"{written}/?", re.IGNORECASE)
 
     def fits(self, path: str) -> bool:
-        """Return whether an asked path is this one."""
+        """Return whether a requested path matches."""
         return self._pattern.fullmatch(path) is not None
 
     def keys(self, path: str) -> dict[str, str]:
-        """Return the keys in an asked path; Refused (400) for what is no text."""
+        """Return the keys in a requested path; raise Refused (400) if one is not UTF-8."""
         match = self._pattern.fullmatch(path)
         return {} if match is None else {name: _decoded(value) for name, value in match.groupdict().items()}
 
 
 def asked_path(scope: Scope) -> str:
-    """Return a request's path as it came."""
+    """Return a request's path as it was sent."""
     raw: bytes = scope.get("raw_path") or b"/"
     return raw.decode("ascii", "replace")
 
 
 def parameters(query_string: bytes) -> Query:
-    """Return the query's parameters in order; Refused (400) if there are too many."""
+    """Return the query's parameters in order; raise Refused (400) if there are too many."""
     try:
         text = query_string.decode("ascii", "replace")
         return tuple(parse_qsl(text, keep_blank_values=True, max_num_fields=MOST_PARAMETERS, errors="replace"))
@@ -60,7 +60,7 @@ def parameters(query_string: bytes) -> Query:
 
 
 def converted(query: Iterable[tuple[str, str]], kind: type[S]) -> S:
-    """Return a query's parameters as a Struct; Refused (400) says which one does not fit, or came twice."""
+    """Convert a query's parameters to a Struct; raise Refused (400) for a bad or repeated one."""
     fields = {field.encode_name for field in msgspec.structs.fields(kind)}
     given: dict[str, str] = {}
     for name, value in query:
@@ -74,7 +74,7 @@ def converted(query: Iterable[tuple[str, str]], kind: type[S]) -> S:
 
 
 def decoded(body: bytes, kind: type[T]) -> T:
-    """Return a JSON body as what a route takes; Refused (400) says where it does not fit."""
+    """Convert a JSON body to a route's type; raise Refused (400) with the faulty field."""
     try:
         return msgspec.json.decode(keyed_once(body), type=kind)
     except msgspec.ValidationError as err:
@@ -86,7 +86,7 @@ def decoded(body: bytes, kind: type[T]) -> T:
 
 
 def plain(err: Exception) -> str:
-    """Return what is wrong with some data, the place first."""
+    """Return the fault in some data, its place first."""
     text = in_words(str(err)).replace("$(?!\\\\n)", "$")
     place = _PLACE.search(text)
     if place is None:

@@ -1,4 +1,4 @@
-"""The server in a thread of its own, with an event loop of its own."""
+"""The server in its own thread, with its own event loop."""
 
 import asyncio
 import socket
@@ -31,7 +31,7 @@ class Serving:
 
     @property
     def connections(self) -> int:
-        """Return how many connections are open."""
+        """Return the number of open connections."""
         return len(self._server.slots)
 
     def start(self) -> None:
@@ -39,7 +39,7 @@ class Serving:
         self._thread.start()
 
     def stop(self) -> None:
-        """End it, at most a third of a second later; what is under way then ends with the process, as do its
+        """End the server within a third of a second; requests under way then end with the process, as do its
         sockets."""
         self._server.should_exit = True
         self._thread.join(JOIN_S)

@@ -1,9 +1,8 @@
-"""The cookies that browsers were given for a token: each looks and nothing more, can be ended, and ends by itself.
+"""The cookies that browsers receive for a token: each allows looking only, can be ended, and expires.
 
-Each is good for the user of this machine whose browser was given it, and for no other user here, or for other machines
-alone: cookies know no ports, so a browser shows them to servers of other users at this host, too.
-
-Kept in a file of the owner's, as hashes, so that a restart ends none; a reader of the file cannot come in by it.
+A cookie is good for the user of this machine whose browser received it, or for other machines. Browsers send it to any
+port of this host, so also to servers of other users; those cannot use it. A file of the owner's keeps the hashes, so
+that a restart ends no session; a reader of the file cannot sign in with it.
 """
 
 import secrets
@@ -20,11 +19,11 @@ from lbr.messages.unreadable import UNREADABLE
 
 LIFE_S = 30 * 24 * 3600
 MOST = 32
-"""Browsers at once; the one that came in longest ago makes room."""
+"""The most sessions at once; the oldest makes room."""
 
 
 class Sessions:
-    """The sessions of tokens, whose secrets are `keys` by name; those of a token that is no more are known no more.
+    """The sessions of tokens; `keys` are the tokens' secrets by name. A removed token ends its sessions.
 
     `on_end` is called whenever some were ended. All on the server's thread.
     """
@@ -37,11 +36,11 @@ class Sessions:
         self._ends = self._read()
 
     def admit(self, name: str, key: str) -> None:
-        """Know one more token from now on; from any thread."""
+        """Add a token; from any thread."""
         self._keys = {**self._keys, name: key.encode()[:64]}
 
     def begin(self, name: str, whose: str) -> str:
-        """Return the cookie of a new session of a token, for a user: as `peers.whose` says."""
+        """Begin a session of a token for a user, as `peers.whose` names it; return its cookie."""
         cookie = secrets.token_urlsafe(32)
         self._ends = self._living()
         self._ends[self._mark(name, whose, cookie)] = self._now() + LIFE_S
@@ -51,12 +50,12 @@ class Sessions:
         return cookie
 
     def find(self, cookie: str, whose: str) -> str:
-        """Return the mark of the session of a cookie that a user shows; empty if none goes on that is theirs."""
+        """Return the mark of the session of a user's cookie; empty without a valid one."""
         living = self._living()
         return next((mark for name in self._keys if (mark := self._mark(name, whose, cookie)) in living), "")
 
     def knows(self, mark: str) -> bool:
-        """Return whether a mark is of a session that goes on."""
+        """Return whether the session of a mark is valid."""
         return name_in(mark) in self._keys and mark in self._living()
 
     def end(self, mark: str) -> None:
@@ -99,5 +98,5 @@ class Sessions:
 
 
 def name_in(mark: str) -> str:
-    """Return the name of the token that a session is of."""
+    """Return the name of a session's token."""
     return mark.partition(":")[0]

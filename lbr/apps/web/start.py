@@ -1,4 +1,4 @@
-"""The server, or the sentence that says what it lacks."""
+"""The server; without its packages, an ImportError that names the extra."""
 
 try:
     from lbr.apps.web.capability import Web

@@ -1,4 +1,4 @@
-"""The robot's states as everybody outside gets them: one JSON object, made once for all who look."""
+"""The robot's states for clients: one JSON object, encoded once for all of them."""
 
 from typing import Any
 
@@ -19,13 +19,13 @@ State = msgspec.defstruct(
     kw_only=True,
     module=__name__,
     namespace={
-        "__doc__": """What was said last of the robot, null where nothing was or is wired; `age_s` is how old that is now.
+        "__doc__": """The newest states of the robot, null without a message or a wire; `age_s` has their ages.
 
-    `faces` is what each face adds, such as its jobs.
+    `faces` has each face's own state, such as its jobs.
     """
     },
 )
-"""The inputs of states, each under its name: the server's own, and those that installed faces bring."""
+"""The message of all states: each input under its name, the server's own and those of installed faces."""
 
 
 class States:

@@ -1,4 +1,4 @@
-"""`/ws`: states as they come, the newest only: a slow reader misses some, and holds no memory for it."""
+"""`/ws`: the newest states; a slow reader misses some, and costs no memory."""
 
 from typing import Annotated
 
@@ -25,7 +25,7 @@ class StreamParams(Struct, frozen=True, kw_only=True):
 
 
 class Streams(Viewing):
-    """Those who look at states, each at its own rate."""
+    """The viewers of states, each at its own rate."""
 
     def __init__(self, robot: Robot, states: States, gate: Gate, viewers: Turns) -> None:
         super().__init__(PATH, PROTOCOL, gate, viewers)

@@ -1,4 +1,4 @@
-"""WebSockets of those who look at the robot: who may, how many at once, and how each begins."""
+"""The WebSockets of viewers: who may open one, how many at once, and how each begins."""
 
 import asyncio
 from abc import abstractmethod
@@ -26,9 +26,10 @@ STALLED, TALKS = 1013, 1008
 
 
 class Viewer:
-    """The far end of a WebSocket. A kind of viewer makes its frames, and may read its messages.
+    """The far end of a WebSocket. A subclass makes its frames, and may read its messages.
 
-    `period_s`: the time from frame to frame. More than `messages_hz` messages a second end it; `too_much` is why.
+    `period_s`: the time between frames. More than `messages_hz` messages a second close it, with `too_much` as the
+    reason.
     """
 
     messages_hz, messages_at_once = 20.0, 20.0
@@ -45,28 +46,28 @@ class Viewer:
         """Return the frame that is due; empty if nothing is new."""
 
     def receive(self, data: bytes) -> None:
-        """Read one message. By default it means nothing."""
+        """Read one message; ignored by default."""
 
     def expelled(self) -> str:
-        """Return why it has to go; empty if it may stay."""
+        """Return why the socket must be closed; empty if it may stay."""
         return ""
 
     def leave(self) -> None:
-        """Let go of all that it has."""
+        """Release all that it has."""
 
     def wake(self) -> None:
         """End a rest."""
         self._woken.set()
 
     async def rest(self, seconds: float) -> None:
-        """Wait that long, or until it is woken."""
+        """Wait that long, or until `wake`."""
         with suppress(TimeoutError):
             async with asyncio.timeout(max(seconds, 0.001)):
                 await self._woken.wait()
         self._woken.clear()
 
     async def read(self, receive: Receive) -> str:
-        """Read messages until the viewer has gone; return why it has to go, if it does."""
+        """Read messages until the viewer leaves; return why it must be closed, or an empty string."""
         while True:
             message: Message = await receive()
             if message["type"] == "websocket.disconnect":
@@ -76,7 +77,7 @@ class Viewer:
             self.receive(message.get("bytes") or (message.get("text") or "").encode("utf-8", "surrogatepass"))
 
     async def serve(self, socket: WebSocket, receive: Receive) -> None:
-        """Send and read until it is over. A task of its own reads, so that one that is slow can let go."""
+        """Send and read until it is over. Reading has its own task, so that a viewer that stalls can still release."""
         reading = asyncio.create_task(self.read(receive))
         reading.add_done_callback(lambda _done: self.wake())
         try:
@@ -91,7 +92,7 @@ class Viewer:
                 await socket.close(code, reason[:120])
 
     async def _send_frames(self, socket: WebSocket, reading: "asyncio.Task[str]") -> tuple[int, str]:
-        """Send until the viewer goes (0), reads nothing, or has to go; return the code and the reason."""
+        """Send frames until the viewer leaves (0), stalls, or must be closed; return the close code and the reason."""
         due = self._loop.time()
         while not reading.done():
             if reason := self.expelled():
@@ -108,7 +109,7 @@ class Viewer:
 
 
 class Viewing(BaseRoute):
-    """The open WebSockets at a path; for the server's thread."""
+    """The open WebSockets of one path; for the server's thread."""
 
     def __init__(self, path: Path, protocol: str, gate: Gate, viewers: Turns) -> None:
         self._path = path
@@ -117,7 +118,7 @@ class Viewing(BaseRoute):
         self._viewers = viewers
 
     def matches(self, scope: Scope) -> tuple[Match, Scope]:
-        """Say whether a WebSocket is asked for here."""
+        """Return whether a request is for a WebSocket of this path."""
         fits = scope["type"] == "websocket" and self._path.fits(routing.asked_path(scope))
         return (Match.FULL if fits else Match.NONE), {}
 
@@ -143,15 +144,15 @@ class Viewing(BaseRoute):
 
     @abstractmethod
     def viewer(self, scope: Scope, client: Client) -> Viewer:
-        """Return what serves a client; raise Refused."""
+        """Return the viewer of a client; raise Refused."""
 
 
 def shown_token(scope: Scope) -> str:
-    """Return the token that a script offers as a subprotocol; empty without one."""
+    """Return the token that a script sends as a subprotocol; empty without one."""
     offered = scope.get("subprotocols", ())
     return next((one.removeprefix(TOKEN_PROTOCOL) for one in offered if one.startswith(TOKEN_PROTOCOL)), "")
 
 
 def asker(client: Client) -> str:
-    """Return whose viewers are counted together."""
+    """Return the owner by which viewers are counted."""
     return f"token {client.name}" if client.name else names.peer_name(client.address)

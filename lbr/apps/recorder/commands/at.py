@@ -103,8 +103,7 @@ def _tables(at_ns: int, robot: str | None, place: str, database: Path | None) ->
     """Return the revision and rows of a moment, and their source: the database's own history, or a recording.
 
     The history has each edit at its moment; a recording has it once the executive has applied it. A recording wins if
-    the
-    database was replaced since.
+    the database was replaced since.
     """
     path = database or home.default_database()
     recorded, name = (None, robot) if database else _recorded(at_ns, robot, place)

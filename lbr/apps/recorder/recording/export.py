@@ -70,8 +70,7 @@ def to_csv(folder: Path, again: Again) -> dict[str, int]:
     """Write a table for each topic into a folder, and pictures as files beside them; return the rows of each.
 
     Columns are the fields, with a dot before nested ones. `time` and `time_s` are the recording's; a message's own
-    fields of
-    these names become `message.time` and `message.time_s`. Raise InputError if the files cannot be written.
+    fields of these names become `message.time` and `message.time_s`. Raise InputError if the files cannot be written.
     """
     columns: dict[str, dict[str, None]] = {}
     for message in again():

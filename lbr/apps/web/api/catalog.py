@@ -1,4 +1,4 @@
-"""The streams and commands of the robot, by its own description; immutable, so that every thread may read it."""
+"""The streams and commands of the robot, from its own description; immutable, so that every thread may read it."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -24,7 +24,7 @@ CAMERA_PREFIX = "camera_"
 
 
 class Catalog:
-    """A robot's streams and commands, by their keys below its name, such as `drive/state`."""
+    """A robot's streams and commands by their keys below its name, such as `drive/state`."""
 
     def __init__(self, robot: RobotDescription) -> None:
         self.robot = robot
@@ -36,15 +36,15 @@ class Catalog:
         }
 
     def published(self, keys: Iterable[str]) -> tuple[str, ...]:
-        """Return those of the keys that clients may receive, each once: streams, and never commands.
+        """Return the keys that clients may receive, each once: streams, and never commands.
 
-        Commands hold the leases of their senders, and pictures are for known clients.
+        Commands contain the leases of their senders, and pictures are for known clients.
         """
         return tuple(dict.fromkeys(key for key in keys if key in self.streams or key in WATCHED))
 
     @property
     def lenders(self) -> frozenset[str]:
-        """Return the capabilities whose motion can be held, and which take a stop."""
+        """Return the capabilities with a motion to hold and a stop."""
         lend = {name.partition("/")[0] for name, command in self.commands.items() if command.leased}
         return frozenset(one for one in lend if f"{one}/{STOP}" in self.commands)
 
@@ -58,7 +58,7 @@ class Catalog:
         motions: Iterable[Motion],
         buttons: tuple[Button, ...],
     ) -> "Described":
-        """Return what the robot is, for a role."""
+        """Return the description of the robot for a role."""
         robot, statuses = self.robot, {status.name: status for status in phases}
         return Described(
             robot=robot.robot,
@@ -84,7 +84,7 @@ class Catalog:
 
 
 class DescribedCapability(Struct, frozen=True, kw_only=True):
-    """A part that runs, and its phase."""
+    """A running capability, and its phase."""
 
     name: str
     kind: str
@@ -127,7 +127,7 @@ class DescribedCamera(Struct, frozen=True, kw_only=True):
 
 
 class Described(Struct, frozen=True, kw_only=True):
-    """What the robot is, and what you may do."""
+    """The description of the robot, and your rights."""
 
     robot: str
     simulated: bool

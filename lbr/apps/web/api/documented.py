@@ -1,4 +1,4 @@
-"""The OpenAPI paths of a robot's streams and commands, by the schemas that the robot itself tells. Pure."""
+"""The OpenAPI paths of a robot's streams and commands, from the schemas in the robot's description. Pure."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -19,11 +19,11 @@ REFUSED: Schema = {
     "required": ["message"],
     "additionalProperties": {},
 }
-"""A refusal as all are, with the rest of what the capability answered."""
+"""A refusal of a command, with the other fields of the capability's reply."""
 
 
 def with_robot(document: Schema, catalog: Catalog) -> Schema:
-    """Return a server's document with a path for each stream and each command of its robot."""
+    """Add a path for each stream and command of a robot to a server's document."""
     components = Components(document["components"]["schemas"])
     reply = components.add(msgspec.json.schema(CommandReply))
     message = components.add(msgspec.json.schema(Message))
@@ -36,13 +36,13 @@ def with_robot(document: Schema, catalog: Catalog) -> Schema:
 
 
 class Components:
-    """The schemas of a document by name; of two that differ and have one name, the second gets another."""
+    """The schemas of a document by name; if two have one name and differ, the second is renamed."""
 
     def __init__(self, schemas: Mapping[str, Schema]) -> None:
         self.schemas: dict[str, Schema] = dict(schemas)
 
     def add(self, schema: Schema) -> Schema:
-        """Return a schema whose definitions are components of the document now."""
+        """Move a schema's definitions to the document's components; return the schema."""
         names: dict[str, str] = {}
         definitions = {
             name: definition for name, definition in schema.get("$defs", {}).items() if isinstance(definition, dict)
@@ -62,7 +62,7 @@ class Components:
 
 
 def _moved(schema: object, names: Mapping[str, str]) -> Any:
-    """Return a schema that refers to the components of a document."""
+    """Return a schema with references to the document's components."""
     if isinstance(schema, dict):
         return {
             key: _reference(value, names) if key == "$ref" else _moved(value, names) for key, value in schema.items()
@@ -140,7 +140,7 @@ def _command(
 
 
 def _answer(command: CommandDescription, reply: Schema) -> Schema:
-    """Return the schema of an answer: of what is held a reply; others may answer more, which their kinds alone know."""
+    """Return the schema of an answer: CommandReply for motion; other answers are known only to their kinds."""
     return reply if command.leased else {"type": "object"}
 
 

@@ -1,6 +1,6 @@
-"""The newest of each stream, heard once however many look at it; on the server's thread alone.
+"""The newest message of each stream, subscribed once for all viewers; on the server's thread alone.
 
-Messages wait within the bus library until a viewer is due, and pass on as the bytes that they are.
+Messages wait in the bus library until a viewer's next frame, and are passed on as the bytes received.
 """
 
 import time
@@ -20,7 +20,7 @@ from lbr.errors import BusError
 from lbr.messages.unreadable import UNREADABLE
 
 KEPT_S = 5.0
-"""A stream that no viewer wants any more is heard a little longer: a page that is loaded again finds it there."""
+"""The time for which a stream without viewers stays subscribed, so that a reloaded page finds its newest message."""
 LOOK_S = 0.004
 FIRST_S = 1.0
 MOST_EVENTS = 128
@@ -30,7 +30,7 @@ _whole = msgspec.json.Decoder(msgspec.Raw)
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """A message as the JSON that it came as; `number` counts them."""
+    """A message in its original JSON; `number` counts a stream's messages."""
 
     text: bytes
     sent_s: float
@@ -49,7 +49,7 @@ class _Heard:
 
 
 class Feeds:
-    """The streams that viewers want; `key` makes of a name below the robot's its key on the bus."""
+    """The streams that viewers want; `key` converts a name below the robot's to its bus key."""
 
     def __init__(
         self, bus: RobotBus, key: Callable[[str], str], source: str, clock: Callable[[], float] = time.monotonic
@@ -62,7 +62,7 @@ class Feeds:
         self._wanted: dict[object, frozenset[str]] = {}
 
     def want(self, viewer: object, names: Iterable[str]) -> None:
-        """Have a viewer's streams heard, in the place of those that it wanted before."""
+        """Replace a viewer's streams."""
         self._wanted[viewer] = frozenset(names)
         self.tidy()
 
@@ -72,7 +72,7 @@ class Feeds:
         self.tidy()
 
     def newest(self, name: str) -> Sample | None:
-        """Return the newest message of a stream that is wanted, or None before the first."""
+        """Return the newest message of a wanted stream, or None before the first."""
         feed = self._heard.get(name)
         if feed is None:
             return None
@@ -80,7 +80,7 @@ class Feeds:
         return feed.newest
 
     def events(self, after: int) -> tuple[Sample, ...]:
-        """Return the newest events of a number above `after`, oldest first."""
+        """Return the newest events with numbers above `after`, oldest first."""
         feed = self._heard.get(EVENT)
         if feed is None:
             return ()
@@ -95,14 +95,14 @@ class Feeds:
         return feed.count if feed is not None else 0
 
     def close(self) -> None:
-        """Hear nothing any more."""
+        """End all subscriptions."""
         self._wanted.clear()
         for feed in self._heard.values():
             feed.feed.close()
         self._heard.clear()
 
     def tidy(self) -> None:
-        """Hear what is wanted, and cease with what was not wanted for a while."""
+        """Subscribe to the wanted streams; end the subscriptions without viewers for `KEPT_S`."""
         now, wanted = self._clock(), frozenset().union(*self._wanted.values())
         for name in wanted - self._heard.keys():
             self._heard[name] = self._begun(name)
@@ -118,7 +118,7 @@ class Feeds:
     def _begun(self, name: str) -> _Heard:
         feed = self._bus.hear(self._key(name), depth=MOST_EVENTS if name == EVENT else 1)
         first = None
-        with suppress(BusError):  # then it is heard when it is said next
+        with suppress(BusError):  # then the first message is the next one published
             first = (
                 self._bus.ask(self._key(name), b"", source=self._source, timeout_s=FIRST_S) if name != EVENT else None
             )
@@ -140,7 +140,7 @@ class Feeds:
 
 
 def sample_of(raw: RawMessage, number: int = 0) -> Sample | None:
-    """Return a message that is JSON, and not so large that it would fill a viewer's line; None for any other."""
+    """Return a message as a sample; None if it is not JSON, or is too large for a viewer's line."""
     if len(raw.payload) > LARGEST_SHOWN:
         return None
     try:

@@ -1,5 +1,7 @@
-"""A person who wants what another holds asks for it, and the holder hands it over. Both are only told: the holder moves
-until the lease is released, and the asker begins as always."""
+"""Requests and handovers of a lease between people. Both only publish an event.
+
+The holder moves until it releases the lease, and the other person begins as always.
+"""
 
 from typing import Annotated
 
@@ -14,7 +16,7 @@ from lbr.messages.units import Name
 
 ASKED, HANDED = "asked_for", "handed_over"
 OFTEN_HZ = 0.5
-"""A sentence in everybody's events: a person may say it again every two seconds."""
+"""A request is an event that everybody sees, so a person may repeat it only every two seconds."""
 REFUSES = Refuses({404: "Nothing of this name on this robot is held.", 429: "You said so two seconds ago."})
 
 
@@ -25,7 +27,7 @@ class AskBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class HandOverBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The released lease, and its next holder: the `by` of the event that asked."""
+    """The released lease, and its next holder: the `by` of the event with the request."""
 
     capability: Name
     to: Annotated[str, Meta(max_length=80)]
@@ -40,9 +42,9 @@ class Handover:
 
     @post("/api/ask", role="operate")
     async def _ask(self, client: Client, body: AskBody) -> Annotated[Message, REFUSES]:
-        """Ask the holder for what it holds.
+        """Ask the holder to hand its lease over.
 
-        Told as event `asked_for`, with `by` in its data; the holder's page shows it.
+        Publishes the event `asked_for`, with `by` in its data; the holder's page shows it.
         """
         by, what = self._sender("ask", client, body.capability), body.capability
         self._api.tell(ASKED, f"{by} asks for {what}", {"capability": what, "by": by})
@@ -50,9 +52,9 @@ class Handover:
 
     @post("/api/hand_over", role="operate")
     async def _hand_over(self, client: Client, body: HandOverBody) -> Annotated[Message, REFUSES]:
-        """Say that you released something for another.
+        """Announce that you released a lease for another person.
 
-        Told as event `handed_over`, with `by` and `to` in its data. It moves and ends nothing.
+        Publishes the event `handed_over`, with `by` and `to` in its data. It moves and ends nothing.
         """
         by, what, to = self._sender("hand over", client, body.capability), body.capability, body.to
         self._api.tell(HANDED, f"{by} hands {what} over to {to}", {"capability": what, "by": by, "to": to})

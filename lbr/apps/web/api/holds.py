@@ -1,14 +1,13 @@
-"""Motion that pages hold: one lease for a socket, renewed in the capability's loop while its page says so, and no
-longer.
+"""Motion that pages hold: one lease for each socket, renewed in the capability's loop only while its page asks for it.
 
     socket (server's thread)               loop
       hold, keep ──► Hand.wish ──────────►  Holds.step: begin · keep · release      LeaseClient ══ bus
       the page is silent, gone, rests ──►   release within a round
-      Hand.news ◄───────────────────────    holds, refused, ended: why, and who has it
+      Hand.news ◄───────────────────────    holds, refused, ended: the reason, and the holder
 
-A page is believed for `SILENT_S` after each message, and for longer while what it began ends by itself (`patience`). It
-is not believed at all when it quotes a time of the server's that is too old: a network delivers what it has held back
-when it heals, and the hand may be off the stick since.
+A page's message counts for `SILENT_S`, and for longer while its motion ends by itself (`patience`). A message that
+quotes too old a time of the server does not count. It may come from a network that has just healed, and the hand may
+have left the stick since.
 """
 
 import time
@@ -27,7 +26,7 @@ from lbr.leases.client import LeaseClient, LeaseTarget, Transport
 from lbr.messages.codes import Reason
 
 AGAIN_S = 0.1
-"""A stick that is pushed against a refusal asks ten times a second at most."""
+"""The pause before a new try while a stick is pushed against a refusal."""
 ENDED_BY_OTHERS: frozenset[str] = frozenset(
     [
         "stopped",
@@ -43,7 +42,7 @@ ENDED_BY_OTHERS: frozenset[str] = frozenset(
         "failed",
     ]
 )
-"""After these a stick that is still pushed moves nothing: its page has to rest first."""
+"""The reasons after which a stick that is still pushed moves nothing: its page must release it first."""
 REST = "release it first, and begin again"
 RELEASED = "{} released it"
 GONE = "{} is gone"
@@ -51,7 +50,7 @@ SILENT = "{} said nothing for {:g} s"
 
 
 class HoldNews(Struct, frozen=True, kw_only=True):
-    """The state of the motion that a page holds: whether it does, why not, and the holder."""
+    """The state of a page's motion: whether it is held, the reason if not, and the holder."""
 
     n: int
     holds: bool
@@ -61,9 +60,9 @@ class HoldNews(Struct, frozen=True, kw_only=True):
 
 
 class Wish(Struct, frozen=True, kw_only=True):
-    """The last word of a page: what it wants, since when, and when it said so; `rests` counts how often it released.
+    """The latest request of a page: its motion, since when, and the time of its last message.
 
-    `speed` is the share that the age of its messages leaves.
+    `rests` counts its releases. `speed` is the share of speed that the age of its messages allows.
     """
 
     wanted: Wanted | None = None
@@ -80,8 +79,8 @@ class Hand:
     - `may`: returns the reason why this page may not have a motion, or None.
     - `tell`: receives the news.
     - `whose`: the owner of the hand, in words.
-    - `resumes`: the hand continues a lapsed motion under the same number, dated by its first message. The mover refuses
-      it after a stop since then. Other pages receive the lapse as news, and begin again.
+    - `resumes`: the hand continues a lapsed motion under the same number, dated by its first message. After a stop
+      since then the mover refuses it. Other pages receive the lapse as news, and begin again.
     """
 
     def __init__(
@@ -108,33 +107,34 @@ class Hand:
         self.refused_s = nan
 
     def hold(self, wanted: Wanted, at: float, speed: float = 1.0) -> None:
-        """Want motion, at a share of its speed."""
+        """Request motion, at a share of its speed."""
         before = self.wish.wanted
         since = self.wish.since if before is not None and before.n == wanted.n else at
         self.wish = replace(self.wish, wanted=wanted, since=since, at=at, speed=speed)
 
     def keep(self, n: int, at: float, speed: float = 1.0) -> None:
-        """Go on wanting what has that number."""
+        """Keep requesting the motion with that number."""
         if self.wish.wanted is not None and self.wish.wanted.n == n:
             self.wish = replace(self.wish, at=at, speed=speed)
 
     def release(self, *, for_good: bool = False) -> None:
-        """Want no motion; `for_good`: never again."""
+        """Request no motion; `for_good`: the page is gone."""
         self.wish = Wish(rests=self.wish.rests + 1, is_over=for_good or self.wish.is_over)
 
     def over(self, why: Reason) -> bool:
-        """Return whether an end for this reason leaves nothing to go on with."""
+        """Return whether the motion is over after an end for this reason."""
         return why.code != "cancelled" and not (self.resumes and why.code == "lapsed")
 
 
 class Holds:
     """All hands; only `add` may be called outside the loop.
 
-    - `transport`: borrows motion for a source, dated by the hand's `Origin`. Every later stop ends the motion, also a
+    - `transport`: leases motion for a source, dated by the hand's `Origin`. Every later stop ends the motion, even a
       stop by the same source, which may have other hands.
     - `keys`: those of the held command (`motion`) and of its capability's stop (`halt`, if it has one).
-    - `slowed`: returns a wanted message with a share of its speed.
-    - `patience_s`: how long a page may be silent during a motion, which begins by a message of the last `SILENT_S`.
+    - `slowed`: returns a motion's message with a share of its speed.
+    - `patience_s`: how long a page may be silent during a motion. To begin one it needs a message of the last
+      `SILENT_S`.
     """
 
     def __init__(
@@ -154,7 +154,7 @@ class Holds:
         self._leaving: list[tuple[LeaseClient, str, bool]] = []
 
     def add(self, hand: Hand) -> None:
-        """Look after a hand, until it is gone."""
+        """Serve a hand until it is over."""
         self._hands.add(hand)
 
     def step(self) -> None:
@@ -168,7 +168,7 @@ class Holds:
                 self._leaving.remove(one)
 
     def close(self, why: str) -> None:
-        """Release everything: the server ends."""
+        """Release everything, as the server ends."""
         for hand in tuple(self._hands):
             self._release(hand, Reason("shutting_down", why), lost=True)
         self._hands.clear()
@@ -176,7 +176,7 @@ class Holds:
     def _step(self, hand: Hand, now: float) -> None:
         wish = hand.wish
         patience_s = self._silent_s(hand, wish)
-        fresh = now - wish.at <= patience_s  # NaN is not
+        fresh = now - wish.at <= patience_s  # false for NaN
         rested = wish.rests != hand.rests
         hand.rests = wish.rests
         if rested:
@@ -199,14 +199,14 @@ class Holds:
             self._keep(hand, hand.lease, wanted)
 
     def _silent_s(self, hand: Hand, wish: Wish) -> float:
-        """Return how long its page may say nothing: longer only while it holds what it wants."""
+        """Return how long a hand's page may be silent; longer only while it holds the motion that it requests."""
         held = hand.wanted if hand.lease is not None and hand.lease.holds else None
         if held is None or wish.wanted is None or held.n != wish.wanted.n:
             return SILENT_S
         return max(SILENT_S, self._patience_s(wish.wanted))
 
     def _follow(self, hand: Hand) -> None:
-        """Read what the robot answered, and note the end of a lease."""
+        """Read the robot's answers, and note the end of a lease."""
         if (lease := hand.lease) is None:
             return
         with self._bus_of(hand):
@@ -241,7 +241,7 @@ class Holds:
             self._tell(hand, HoldNews(n=wanted.n, holds=True))
 
     def _release(self, hand: Hand, why: Reason, *, lost: bool) -> None:
-        """Give up a lease; one that was not granted yet is not ours to halt, and is given up once it is."""
+        """Release a lease. One that is not granted yet cannot stop the motion, and is released once it is granted."""
         lease, hand.lease = hand.lease, None
         if lease is None:
             return
@@ -252,13 +252,13 @@ class Holds:
         else:
             with self._bus_of(hand):
                 lease.release(why.text, lost=lost)
-        own = why.code == "cancelled"  # a page knows what it released itself
+        own = why.code == "cancelled"  # a page knows its own releases
         self._tell(
             hand, HoldNews(n=_number(hand), holds=False, code="" if own else why.code, reason="" if own else why.text)
         )
 
     def _is_given_up(self, lease: LeaseClient, why: str, lost: bool) -> bool:
-        """Return whether an unwanted lease never was, or has been given up."""
+        """Step a lease to be released; return whether it was refused or released."""
         try:
             lease.step()
             if lease.ended is None and lease.accepted is not None:
@@ -276,7 +276,7 @@ class Holds:
 
     @contextmanager
     def _bus_of(self, hand: Hand) -> Iterator[None]:
-        """Where the bus is gone, so is the lease."""
+        """Treat a lost bus as a lost lease."""
         try:
             yield
         except BusError as err:
@@ -294,7 +294,7 @@ def _number(hand: Hand) -> int:
 
 
 def _why(whose: str, wish: Wish, patience_s: float, *, rested: bool, wanted: Wanted | None) -> Reason:
-    """Return why a lease is given up; it lapses where the page did not say so."""
+    """Return why a lease is released; without a message of its page it lapses."""
     if wish.is_over:
         return Reason("holder_gone", GONE.format(whose))
     if wanted is None and not rested:

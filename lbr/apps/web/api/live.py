@@ -1,5 +1,4 @@
-"""`/api/live`: the newest of the streams that a page wants, events, and the motion that it holds; on the server's
-thread."""
+"""`/api/live`: the newest messages of a page's streams, events, and the page's motion; on the server's thread."""
 
 from collections import deque
 from collections.abc import Mapping
@@ -28,18 +27,19 @@ PATH = Path("/api/live")
 PROTOCOL = "lbr.live"
 MOST_NEWS = 16
 PULSE_S = 0.2
-"""A page gets a frame this often at least, for the time that it quotes: older than `OLDEST_S` it would begin
-nothing."""
+"""The longest pause between frames. A page quotes a frame's time, and one older than `OLDEST_S` would begin nothing."""
 HELD_PULSE_S = 0.05
-"""While its hand is on, the time that it quotes waits no longer for a frame."""
+"""The longest pause between frames while the page's hand is on."""
 LINK_S = 0.5
-"""A page hears the age of what it drives by this often, and at once when its speed changes."""
+"""The pause between reports of the link's age; a change of speed is reported at once."""
 _encode = msgspec.json.Encoder().encode
 
 
 class Live(Viewing):
-    """Those of pages. `page` is the build of the page that is served: told first, so that one of another moves
-    nothing."""
+    """The sockets of pages.
+
+    `page` is the build of the served page, sent first: a page of another build moves nothing.
+    """
 
     def __init__(self, api: Api, gate: Gate, viewers: Turns, sessions: Sessions, page: str = "") -> None:
         super().__init__(PATH, PROTOCOL, gate, viewers)
@@ -62,7 +62,7 @@ class Live(Viewing):
 class _PageViewer(Viewer):
     """A page: its streams, the messages sent to it, and its hand."""
 
-    messages_hz, messages_at_once = 100.0, 200.0  # it sends 25 a second, with a mouse 60; a network delivers late
+    messages_hz, messages_at_once = 100.0, 200.0  # a page sends 25 a second, with a mouse 60; a network delivers late
     too_much = "too much is said here"
 
     def __init__(self, api: Api, feeds: Feeds, client: Client, sessions: Sessions, page: str) -> None:
@@ -85,7 +85,7 @@ class _PageViewer(Viewer):
         self._link_s = 0.0
 
     def expelled(self) -> str:
-        """Return why the page has to go."""
+        """Return why the page's socket must be closed; empty if it may stay."""
         session = self._client.session
         return "signed out" if session and not self._sessions.knows(session) else ""
 
@@ -109,7 +109,7 @@ class _PageViewer(Viewer):
         self._woken.clear()
 
     def leave(self) -> None:
-        """Take the hand off for good, and want nothing any more."""
+        """Release the hand for good, and leave all streams."""
         self._hand.release(for_good=True)
         if self._has_hand:
             self._api.wake()
@@ -117,11 +117,11 @@ class _PageViewer(Viewer):
         self._loop.call_later(KEPT_S + 0.1, self._feeds.tidy)
 
     def receive(self, data: bytes) -> None:
-        """Do what the page says."""
+        """Handle a message of the page."""
         try:
             message = parse(data)
         except Rubbish as err:
-            self._hand.release()  # what cannot be read may have been that
+            self._hand.release()  # an unreadable message may have been a release
             self._api.wake()
             self._tell(b'"error":' + _encode({"code": "malformed", "reason": str(err)}))
             return
@@ -162,7 +162,7 @@ class _PageViewer(Viewer):
             self._api.holds.add(self._hand)
 
     def _tell_link(self, now: float) -> None:
-        """Tell the page how old what it drives by is, and what that leaves of its speed."""
+        """Send the page the age of its link, and the share of speed that it allows."""
         if isnan(self._age.age_s):
             return
         news, before = self._age.news, self._link
@@ -171,7 +171,7 @@ class _PageViewer(Viewer):
             self._tell(b'"link":' + _encode(news))
 
     def _want(self) -> None:
-        """Hear what was asked for, as far as it is there."""
+        """Subscribe to the requested streams that exist."""
         known = self._known = self._api.known
         self._wanted = known.published(self._asked) if known is not None else ()
         if EVENT in self._wanted and EVENT not in self._sent:
@@ -179,7 +179,7 @@ class _PageViewer(Viewer):
         self._feeds.want(self, self._wanted)
 
     def _streams(self, now: float) -> bytes:
-        """Return the streams that have said something since they were sent last, the newest of each only."""
+        """Return the newest message of each stream with news since the last frame."""
         parts: list[bytes] = []
         for name in self._wanted:
             sample = self._feeds.newest(name) if name != EVENT else None
@@ -201,8 +201,8 @@ class _PageViewer(Viewer):
         self._woken.set()
 
     def _tell_from_loop(self, news: HoldNews) -> None:
-        """Have news told; from the capability's loop."""
-        with suppress(RuntimeError):  # the server has ended, and with it the page
+        """Queue news for the page; from the capability's loop."""
+        with suppress(RuntimeError):  # the server, and with it the page, has ended
             self._loop.call_soon_threadsafe(self._tell, _hold(news))
 
 

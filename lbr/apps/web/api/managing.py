@@ -1,4 +1,4 @@
-"""The API's routes for rows, tokens and logs: asked of the executive, with the asker's role looked at here."""
+"""The API's routes for rows, tokens and logs: the executive answers, and this server checks the client's role."""
 
 from typing import Annotated, Literal
 
@@ -29,14 +29,14 @@ STATUSES = {"unknown_name": 404, "busy": 503, "failed": 503}
 
 
 class ChangesBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Changes of rows, all or none; without `write` the answer only tells what they would do."""
+    """Changes of rows, all or none; without `write` they are only tried."""
 
     changes: Annotated[list[RowChange], Meta(min_length=1, max_length=MOST_CHANGES)]
     write: bool = False
 
 
 class ManageRefusal(ManageReply, frozen=True, kw_only=True):
-    """Why not: `message` as in every refusal, `code` for programs, and what is wrong with which row."""
+    """A refusal: `message` as in every refusal, `code` for programs, and the faulty rows."""
 
     accepted: bool = False
     message: str
@@ -58,7 +58,7 @@ class NameBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class EventsWanted(Struct, frozen=True, kw_only=True):
-    """Which events: of one capability or other subject, from a level on, and how many."""
+    """The selection of events: the capability or other subject, the least level, and the number."""
 
     subject: Annotated[str, Meta(max_length=80)] = ""
     level: Literal["info", "warning", "error"] = "info"
@@ -66,14 +66,14 @@ class EventsWanted(Struct, frozen=True, kw_only=True):
 
 
 class Managing:
-    """The routes; they run in the capability's loop, where they are resumed once a round."""
+    """The routes; they run in the capability's loop, which resumes them once a round."""
 
     def __init__(self, api: Api) -> None:
         self._api = api
 
     @get("/api/rows", role="operate", within_s=WITHIN_S)
     async def _tables(self, client: Client) -> Managed:
-        """The tables of rows that the robot is made of."""
+        """The tables of the robot's rows."""
         return await self._ask(client, LookAtRows())
 
     @get("/api/rows/{table}", role="operate", within_s=WITHIN_S)
@@ -83,15 +83,15 @@ class Managing:
 
     @post("/api/rows", role="admin", within_s=WITHIN_S)
     async def _change(self, client: Client, body: ChangesBody) -> Managed:
-        """Change rows, or try what that would do.
+        """Change rows, or try a change.
 
-        A row that is not any more as `before` says is refused with `changed`, and nothing is written.
+        A row that differs from its `before` is refused with `changed`, and nothing is written.
         """
         return await self._ask(client, ChangeRows(changes=body.changes, write=body.write, by=source_of(client)))
 
     @post("/api/rows/undo", role="admin", within_s=WITHIN_S)
     async def _undo(self, client: Client, body: UndoBody) -> Managed:
-        """Take back a change of rows that the same client made.
+        """Undo a change of rows by the same client.
 
         If others have changed its columns since, it is refused with `changed`, and nothing is written.
         """
@@ -101,7 +101,8 @@ class Managing:
     async def _devices(self, client: Client) -> Managed:
         """The plugged-in devices, and the changes of rows for them.
 
-        Each is asked by a question that moves and changes nothing; `POST /api/rows` writes the `changes` of a proposal.
+        Each device is identified by a query that moves and changes nothing; `POST /api/rows` writes the `changes` of a
+        proposal.
         """
         return await self._ask(client, LookAtDevices())
 
@@ -112,17 +113,17 @@ class Managing:
 
     @post("/api/tokens/revoke", role="admin", within_s=WITHIN_S)
     async def _revoke(self, client: Client, body: NameBody) -> Managed:
-        """Lock a token out."""
+        """Revoke a token."""
         return await self._ask(client, RevokeToken(name=body.name, by=source_of(client)))
 
     @get("/api/logs/{name}", role="operate", within_s=WITHIN_S)
     async def _log(self, client: Client, name: str) -> Managed:
-        """The end of what a capability has written to its log."""
+        """The end of a capability's log."""
         return await self._ask(client, LookAtLog(name=name[:64]))
 
     @get("/api/events", within_s=WITHIN_S)
     async def _events(self, client: Client, params: EventsWanted) -> Managed:
-        """Events, the newest first, as they were written down."""
+        """The recorded events, newest first."""
         return await self._ask(client, LookAtEvents(subject=params.subject, level=params.level, limit=params.limit))
 
     async def _ask(self, client: Client, command: object) -> Response:

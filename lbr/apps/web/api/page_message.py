@@ -1,5 +1,4 @@
-"""The messages of a page over the live socket. Pure: bytes from outside become a message, or Rubbish; nothing else is
-raised."""
+"""The messages of a page over the live socket. Pure: raises Rubbish for any other bytes, and nothing else."""
 
 from typing import Annotated, Any
 
@@ -20,7 +19,7 @@ Key = Annotated[str, Meta(max_length=100)]
 
 
 class Wanted(Struct, frozen=True, kw_only=True):
-    """Motion that a page wants: the command that it is asked by, its message, and the page's number for it."""
+    """A motion that a page requests: its command, the command's message, and the page's number for it."""
 
     to: Annotated[str, Meta(pattern=f"^{NAME_LETTERS}/{NAME_LETTERS}$(?!\\n)", max_length=81)]
     message: dict[str, Any] = {}
@@ -28,20 +27,21 @@ class Wanted(Struct, frozen=True, kw_only=True):
 
     @property
     def capability(self) -> str:
-        """Return the capability that is to move."""
+        """Return the capability that moves."""
         return self.to.partition("/")[0]
 
     @property
     def command(self) -> str:
-        """Return the command that it is asked by."""
+        """Return the command's name."""
         return self.to.partition("/")[2]
 
 
 class PageMessage(Struct, frozen=True, kw_only=True):
-    """A message of a page; fields that are not there say nothing, and those that are not known mean nothing.
+    """A message of a page; each field is optional, and unknown fields are ignored.
 
-    `hear` are the streams that it wants from now on, `rate_hz` times a second at most. `hold` begins or changes motion,
-    `keep` goes on with what has that number, `release` ends it. `t` is the newest time of the server's that it heard.
+    - `hear`: the page's streams from now on, at most `rate_hz` times a second.
+    - `hold`: begins or changes motion; `keep` continues the motion with that number; `release` ends it.
+    - `t`: the newest server time that the page received.
     """
 
     hear: Annotated[tuple[Key, ...], Meta(max_length=MOST_KEYS)] | UnsetType = UNSET
@@ -53,7 +53,7 @@ class PageMessage(Struct, frozen=True, kw_only=True):
 
 
 class Rubbish(Exception):  # noqa: N818 - an answer, not a fault
-    """The bytes are not a message; the text names the place where they do not fit."""
+    """Bytes that are not a valid message; the text names the faulty field."""
 
 
 _decoder = msgspec.json.Decoder(PageMessage)
@@ -61,7 +61,10 @@ _OF_THE_SERVER = ("lease", "ttl_s")
 
 
 def parse(data: bytes) -> PageMessage:
-    """Return what a page says; raise Rubbish. Of held motion, lease and lifetime are the server's own business."""
+    """Parse a page's message; raise Rubbish.
+
+    A held motion's lease and lifetime are dropped, as the server sets them.
+    """
     if len(data) > LARGEST:
         raise Rubbish(f"a message may have {LARGEST} bytes")
     try:

@@ -1,5 +1,4 @@
-"""The API's routes: what the robot is, one stream, one command, one console line. Each is asked once and answered
-once."""
+"""The API's routes with one answer: the robot's description, a stream's newest message, a command, a console line."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -32,7 +31,7 @@ LONGEST_LINE = 4096
 OVERTAKEN = "a stop came after this command"
 TOLD = 400
 OF_PEOPLE = "web:"
-"""The robot's name for a sender for whom this server asks: a token's name, or an address, follows."""
+"""The prefix of a client's name on the bus; the name of its token, or its address, follows."""
 
 
 class ConsoleBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -42,7 +41,7 @@ class ConsoleBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
 
 
 class Requests:
-    """The routes; they run in the capability's loop, where they are resumed once a round."""
+    """The routes; they run in the capability's loop, which resumes them once a round."""
 
     def __init__(self, api: Api) -> None:
         self._api = api
@@ -94,9 +93,9 @@ class Requests:
 
     @post("/api/console", stops=lambda given: is_stop(given["body"].line), within_s=LINE_S + 1.0)
     async def _console(self, request: Request, body: ConsoleBody) -> Annotated[Response, {200: ConsoleResult}]:
-        """Say a console line.
+        """Run a console line.
 
-        With the rights of the asker. 200 whatever became of it: `code` says that.
+        It runs with the rights of the client. The status is 200 even for a refused line; `code` has the result.
         """
         role: Role = request.client.role or "view"
         line = body.line
@@ -118,7 +117,7 @@ class Requests:
     ) -> Annotated[Response, {200: Chain}, Refuses({404: "There is nothing of this name on this robot."})]:
         """The hindrances of a part, and what to type.
 
-        `first` is the place among `links` of what is told; `state` is `ok` if nothing holds it.
+        `first` is the index in `links` of the main cause; `state` is `ok` without a hindrance.
         """
         return await self._reason(f"/why/{part[:LONGEST_PART]}", client)
 
@@ -132,7 +131,7 @@ class Requests:
 
 
 async def answered(question: PendingQuery, within_s: float) -> dict[str, object]:
-    """Return what the robot answers; Refused (503) if that does not come in time, or cannot be read."""
+    """Return the robot's answer; raise Refused (503) if it is late or malformed."""
     await until(lambda: question.done or bool(question.replies))
     if not question.replies:
         raise Refused(503, f"the robot did not answer within {within_s:g} s", {"Retry-After": "1"}, "timeout")
@@ -140,13 +139,13 @@ async def answered(question: PendingQuery, within_s: float) -> dict[str, object]
 
 
 def source_of(client: Client) -> str:
-    """Return the asker, for the robot: by a token's name, or from an address."""
+    """Return the client's name on the bus: by its token, or by its address."""
     name = client.name or client.session.partition(":")[0]
     return f"{OF_PEOPLE}{name or client.address}"[:80]
 
 
 def payload_of(message: object) -> bytes:
-    """Return a message as it is passed on; Refused (400) for what JSON cannot say."""
+    """Encode a message for the robot; raise Refused (400) for values that JSON does not have."""
     try:
         return encode(message)
     except (OverflowError, RecursionError) as err:
@@ -154,7 +153,7 @@ def payload_of(message: object) -> bytes:
 
 
 def replied(answer: dict[str, object], statuses: Mapping[str, int] = MappingProxyType({})) -> Response:
-    """Return a reply; one that refuses says so by its status, and in the words of all refusals besides."""
+    """Return a reply as a response; a refusal gets the status of its code, and the fields of all refusals."""
     if answer.get("accepted") is not False:
         return json(answer)
     code = str(answer.get("code") or "refused")
@@ -171,5 +170,5 @@ def _decoded(raw: RawMessage) -> dict[str, object]:
 
 
 def _code(code: object) -> str:
-    """Return a code as a header may bear it: what a program answers may be anything."""
+    """Return a code for a header; a capability's unknown code becomes `refused`."""
     return code if isinstance(code, str) and code in MEANINGS else "refused" if code else ""

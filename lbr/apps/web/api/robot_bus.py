@@ -1,4 +1,4 @@
-"""The bus as the API uses it: a session beside the process's own, so that what pages look at delays no heartbeat."""
+"""The bus for the API: a session beside the process's own, so that the streams of pages delay no heartbeat."""
 
 from collections.abc import Callable, Mapping
 
@@ -17,7 +17,7 @@ class RobotBus:
         self._session = way_in.enter_alone(config)
 
     def hear(self, key: str, *, depth: int = 1) -> PolledSubscription:
-        """Hear the newest `depth` messages of a key, kept by the bus library until they are taken."""
+        """Subscribe to the newest `depth` messages of a key, which the bus library keeps until they are taken."""
         return PolledSubscription(self._session, key, depth=depth)
 
     def ask(
@@ -31,7 +31,10 @@ class RobotBus:
         sent_s: float | None = None,
         wake: Callable[[], None] = lambda: None,
     ) -> PendingQuery:
-        """Ask by a query what has waited here for so long, and was said at `sent_s`; BusError if that cannot be sent."""
+        """Query the robot; raise BusError if that cannot be sent.
+
+        `waited_s` is the time that the request has waited here, `sent_s` its date if that is not now.
+        """
         return PendingQuery(
             self._session,
             key,
@@ -46,7 +49,7 @@ class RobotBus:
     def transport(
         self, source: str, keys: Mapping[str, str], wake: Callable[[], None], origin: Origin | None = None
     ) -> Transport:
-        """Return by what motion is borrowed that somebody wants since then: `keys` by request."""
+        """Return a transport that leases motion; `keys` by request, `origin` is the client's wish and its date."""
         return OverSession(self._session, source, keys, wake=wake, origin=origin)
 
     def close(self) -> None:
@@ -55,6 +58,6 @@ class RobotBus:
 
 
 def opened(ctx: object) -> RobotBus | None:
-    """Return a session for the API; None where the process runs on another machine, which has no rights for it."""
+    """Return a session for the API; None on another machine than the robot's, which has no rights for it."""
     config = getattr(ctx, "config", None)
     return RobotBus(config) if isinstance(config, ProcessConfig) and not config.host else None

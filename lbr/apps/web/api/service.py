@@ -1,4 +1,4 @@
-"""The API as the capability's loop runs it: knows what the robot is, asks it, and looks after what pages hold."""
+"""The API in the capability's loop: the robot's description, queries to the robot, and the motion of pages."""
 
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -37,7 +37,7 @@ _statuses = Decoder(Status)
 
 
 class _Told(msgspec.Struct):
-    """The answer to the report: its data, as a console line has it."""
+    """The answer to the report, in the form of a console line's result."""
 
     data: RobotDescription
 
@@ -46,7 +46,7 @@ _reports = Decoder(_Told)
 
 
 class Api:
-    """All but `known`, `may`, `feeds`, `wake`, `now` and `holds.add` is for the capability's loop alone."""
+    """The API. All but `known`, `may`, `feeds`, `wake`, `now` and `holds.add` is for the capability's loop alone."""
 
     def __init__(self, robot: Robot, bus: RobotBus | None, version: str) -> None:
         self._robot = robot
@@ -69,7 +69,7 @@ class Api:
             self._look(self._bus, self._robot.now())
 
     def release(self, why: str) -> None:
-        """Release what pages hold: the server ends."""
+        """Release the motion of all pages, as the server ends."""
         self.holds.close(why)
 
     def close(self) -> None:
@@ -80,22 +80,22 @@ class Api:
 
     @property
     def phases(self) -> tuple[CapabilityStatus, ...]:
-        """Return how each capability is."""
+        """Return the status of each capability."""
         return self._status.capabilities if self._status is not None else ()
 
     @property
     def estop(self) -> EstopState | None:
-        """Return the emergency stop as the robot reported it last, or nothing."""
+        """Return the last reported emergency stop, or None."""
         return self._status.estop if self._status is not None else None
 
     def catalog(self) -> Catalog:
-        """Return what there is; Refused (503) while that is not known."""
+        """Return the catalog; raise Refused (503) while it is unknown."""
         if self.known is None:
             raise Refused(503, NOT_YET if self._bus is not None else NO_BUS, {"Retry-After": "1"}, "not_ready")
         return self.known
 
     def described(self, role: Role | None) -> Described:
-        """Return what the robot is, for a role."""
+        """Return the description of the robot for a role."""
         robot = self._robot
         return self.catalog().described(
             role=role,
@@ -109,25 +109,25 @@ class Api:
     def query(
         self, name: str, payload: bytes, *, source: str, timeout_s: float, waiting: Waiting = AT_ONCE
     ) -> PendingQuery:
-        """Ask on a key below the robot's name."""
+        """Query a key below the robot's name."""
         return self._ask(self._key(name), payload, source=source, timeout_s=timeout_s, waiting=waiting)
 
     def line(self, line: str, *, role: Role, source: str, timeout_s: float, waiting: Waiting = AT_ONCE) -> PendingQuery:
-        """Say a console line with the rights of a role."""
+        """Send a console line with the rights of a role."""
         key = keys.console_of_pages(self._robot.name, role)
         return self._ask(key, line.encode(errors="replace"), source=source, timeout_s=timeout_s, waiting=waiting)
 
     def stopped(self, came_s: float, capability: str = "") -> None:
-        """Take note of a stop of a capability, or of all, that came here at `came_s`."""
+        """Note a stop of a capability, or of all, that was received at `came_s`."""
         self._stops.note(min(came_s, self.now()), capability)
 
     def waiting(self, came_s: float, capability: str = "") -> Waiting:
-        """Return how long what came here then has waited, and its date if a stop came after it."""
+        """Return how long a request received at `came_s` has waited, and its date if a stop came after it."""
         overtaken = self._stops.overtook(came_s, capability)
         return Waiting(waited_s=max(0.0, self.now() - came_s), sent_s=came_s if overtaken else None)
 
     def manage(self, payload: bytes, *, source: str, timeout_s: float) -> PendingQuery:
-        """Ask the executive for what it knows of rows, tokens and logs."""
+        """Query the executive about rows, tokens and logs."""
         return self._ask(keys.manage(self._robot.name), payload, source=source, timeout_s=timeout_s)
 
     def now(self) -> float:
@@ -135,15 +135,15 @@ class Api:
         return self._robot.now()
 
     def wake(self) -> None:
-        """Have the loop look at what a page said; from any thread."""
+        """Wake the loop for a page's message; from any thread."""
         self._robot.ctx.wake()
 
     def tell(self, kind: str, text: str, data: dict[str, object] | None = None) -> None:
-        """Have an event published."""
+        """Publish an event."""
         self._robot.ctx.event(kind, text, data=data)
 
     def may(self, client: Client) -> Callable[[Wanted], Reason | None]:
-        """Return what says why motion is not for a client, or not there."""
+        """Return a function that gives the reason why a client may not have a motion, or None."""
         return partial(self._why_not, client)
 
     def _why_not(self, client: Client, wanted: Wanted) -> Reason | None:
@@ -199,7 +199,7 @@ class Api:
             raise Refused(503, str(err), {"Retry-After": "1"}) from None
 
     def _look(self, bus: RobotBus, now: float) -> None:
-        """Hear how the robot is; ask what it is whenever its rows, or its processes, are others."""
+        """Read the robot's status, and request its description whenever its rows or processes change."""
         for raw in self._statuses.take() if self._statuses is not None else ():
             self._status = _read(_statuses, raw.payload) or self._status
         if self._asked is not None and (self._asked.replies or self._asked.done):

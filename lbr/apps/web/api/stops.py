@@ -1,7 +1,7 @@
-"""Knows which requests a stop has overtaken here: a page's own stop is read while its command still waits. Pure.
+"""The stops received here, and which requests they overtake: a page's stop is read while its command still waits. Pure.
 
-Between processes the dates of messages tell that. A request is dated when it is passed on, so one that came before a
-stop, and is passed on after it, bears the date at which it came.
+Between processes the dates of messages decide that. A request is dated when it is passed on. If a stop came while it
+waited, it bears the date at which it was received.
 """
 
 import re
@@ -15,7 +15,7 @@ _STOP = re.compile(r"/*(s|stop|estop)(/.*)?")
 
 
 class Waiting(Struct, frozen=True, kw_only=True):
-    """For how long a request has waited here, and when it was said, if that is not now."""
+    """The time that a request has waited here, and its date if that is not now."""
 
     waited_s: float = 0.0
     sent_s: float | None = None
@@ -25,21 +25,21 @@ AT_ONCE = Waiting()
 
 
 class Stops:
-    """When the last stop of each capability, and of all, came here."""
+    """The times of the last stop of each capability, and of all."""
 
     def __init__(self) -> None:
         self._at: dict[str, float] = {}
 
     def note(self, came_s: float, capability: str = ALL) -> None:
-        """Take note of a stop; `capability` is one that there is."""
+        """Note a stop; `capability` must exist on the robot."""
         self._at[capability] = max(came_s, self._at.get(capability, -inf))
 
     def overtook(self, came_s: float, capability: str = ALL) -> bool:
-        """Say whether a stop came after a request did; what asks more than one capability is overtaken by any stop."""
+        """Return whether a stop came after a request; a request to all capabilities is overtaken by any stop."""
         last = max((at for name, at in self._at.items() if capability in {ALL, name} or name == ALL), default=-inf)
         return isfinite(came_s) and came_s <= last
 
 
 def is_stop(line: str) -> bool:
-    """Return whether a console line stops; the executive, which carries it out, knows more ways to write it."""
+    """Return whether a console line is a stop; the executive, which runs it, accepts more spellings."""
     return _STOP.fullmatch(unicodedata.normalize("NFKC", line).strip().lower()) is not None

@@ -1,6 +1,6 @@
 """The newest picture for each viewer: a slow viewer misses pictures, and does not delay the others.
 
-Everything here runs on the event loop's thread of the server, but for `close`.
+All but `close` runs on the thread of the server's event loop.
 """
 
 import asyncio
@@ -16,9 +16,9 @@ Deal = Callable[[str, bytes], None]
 
 
 class Viewer:
-    """One open stream: a slot for the newest picture of a camera (empty: of the one that is on).
+    """One open stream: a slot for the newest picture of a camera (empty: of the active one).
 
-    `session` is the mark of the session by which its viewer came in; empty for a token.
+    `session` is the mark of the viewer's session; empty for a token.
     """
 
     def __init__(self, camera: str, session: str = "") -> None:
@@ -29,17 +29,17 @@ class Viewer:
         self._news = asyncio.Event()
 
     def show(self, picture: bytes) -> None:
-        """Put a picture in the place of one that was not sent yet."""
+        """Replace the unsent picture."""
         self._slot = picture
         self._news.set()
 
     def end(self) -> None:
-        """Let there be no more pictures."""
+        """End the stream."""
         self._over = True
         self._news.set()
 
     async def next(self) -> bytes | None:
-        """Return the next picture once there is one; None when there are no more."""
+        """Wait for the next picture; None at the end of the stream."""
         while True:
             await self._news.wait()
             self._news.clear()
@@ -51,7 +51,10 @@ class Viewer:
 
 
 class Hub:
-    """Deals pictures out while there are viewers: `begin` has them come, each to `deal`, and returns what ends that."""
+    """Deals pictures to viewers.
+
+    With the first viewer `begin` starts the pictures, each to `deal`, and returns their stop.
+    """
 
     def __init__(self, begin: Callable[[Deal], Callable[[], None]]) -> None:
         self._begin = begin
@@ -63,12 +66,12 @@ class Hub:
         self._turns = Turns(MOST_OF_ONE, MOST_VIEWERS)
 
     def full(self, who: str) -> str:
-        """Return how many watch already, where one more of an asker would be too many; else nothing."""
+        """Return why a client may not open one more stream; empty if it may."""
         return "all" if self._closed else self._turns.why_not(who)
 
     @contextmanager
     def viewer(self, camera: str, asker: str, session: str = "") -> Iterator[Viewer]:
-        """Watch for the time of a `with`."""
+        """Watch during a `with`."""
         viewer = Viewer(camera, session)
         self._viewers.add(viewer)
         try:
@@ -84,7 +87,7 @@ class Hub:
                 self._end = None
 
     def deal(self, camera: str, picture: bytes) -> None:
-        """Show a picture to the viewers of its camera, and to those of whichever camera is on."""
+        """Show a picture to the viewers of its camera, and of the active camera."""
         current, seen = self._current
         if camera == current or time.monotonic() - seen > CURRENT_S:
             self._current = (camera, time.monotonic())
@@ -93,16 +96,16 @@ class Hub:
                 viewer.show(picture)
 
     def end(self, knows: Callable[[str], object]) -> None:
-        """End the streams of sessions that are not known any more."""
+        """End the streams of sessions that are over."""
         for viewer in self._viewers:
             if viewer.session and not knows(viewer.session):
                 viewer.end()
 
     def close(self) -> None:
-        """End every stream, and begin none; from any thread."""
+        """End all streams, and refuse new ones; from any thread."""
         self._closed = True
         if self._loop is not None:
-            with suppress(RuntimeError):  # its loop has ended, and with it all streams
+            with suppress(RuntimeError):  # the loop, and with it all streams, has ended
                 self._loop.call_soon_threadsafe(self._close)
 
     def _close(self) -> None:

@@ -1,4 +1,4 @@
-"""Pictures by the inputs of the capability `web`: of those cameras that channel rows wire to it."""
+"""Pictures from the inputs of the capability `web`: of the cameras that channel rows wire to it."""
 
 import asyncio
 from collections.abc import Callable
@@ -10,12 +10,11 @@ from lbr.capability.context import Received
 from lbr.messages.camera import CameraState
 
 LOOK_S = 0.01
-"""The pace at which the loop looks for pictures while there are viewers; otherwise they wait, unread, within the bus
-library."""
+"""The pace at which the loop reads pictures while there are viewers; otherwise they stay unread in the bus library."""
 
 
 class Ports:
-    """All but `begin`, `knows` and `tell` is for the capability's loop."""
+    """The source of pictures. All but `begin`, `knows` and `tell` is for the capability's loop."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -24,18 +23,18 @@ class Ports:
         self._deal: Callable[[str, bytes], None] | None = None
 
     async def states(self) -> dict[str, CameraState]:
-        """Return how each camera is whose process lives."""
+        """Return the state of each camera with a live process."""
         alive = {source: last for source, last in self._states.items() if self._robot.ctx.alive(source)}
         return {source.removeprefix(PREFIX): last.message for source, last in sorted(alive.items())}
 
     async def snapshot(self, camera: str) -> bytes | None:
-        """Return the newest picture that came within the last second."""
+        """Return the newest picture of the last second, or None."""
         self._look_for_pictures()
         fresh = [last for name, last in self._newest.items() if camera in {"", name} and self._is_fresh(last)]
         return max(fresh, key=lambda last: last.arrived).message.data if fresh else None
 
     def step(self) -> None:
-        """Note states, and deal pictures out if there are viewers."""
+        """Read states, and deal pictures if there are viewers."""
         for last in self._robot.ctx.take("cameras"):
             self._states[last.source] = last
         if self._deal is not None:
@@ -43,7 +42,7 @@ class Ports:
         self._newest = {name: last for name, last in self._newest.items() if self._is_fresh(last)}
 
     def begin(self, deal: Deal) -> Callable[[], None]:
-        """Have the loop look for pictures, and often."""
+        """Start reading pictures at a high rate; return the function that ends it."""
         loop = asyncio.get_running_loop()
         self._deal = lambda camera, picture: _soon(loop, deal, camera, picture)
         looking = loop.create_task(self._look())
@@ -55,19 +54,19 @@ class Ports:
         return end
 
     def knows(self, session: str) -> bool:
-        """Return whether a session goes on."""
+        """Return whether a session is still valid."""
         return self._robot.sessions.knows(session)
 
     def on_sign_out(self, then: Callable[[], None]) -> None:
-        """Have something called whenever a user signs out."""
+        """Call a function whenever a user signs out."""
         self._robot.sessions.on_end.append(then)
 
     def tell(self, text: str) -> None:
-        """Have it published as an event."""
+        """Publish an event."""
         self._robot.tell("watched", text)
 
     def _look_for_pictures(self) -> None:
-        """Take in what came, and show it to the viewers."""
+        """Read new pictures, and show them to the viewers."""
         deal = self._deal
         for last in self._robot.ctx.take("frames"):
             camera = last.source.removeprefix(PREFIX)

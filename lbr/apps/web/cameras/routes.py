@@ -1,4 +1,4 @@
-"""The answers of the cameras over HTTP, from any source of pictures."""
+"""The routes of the cameras over HTTP, for any source of pictures."""
 
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Protocol
@@ -15,7 +15,7 @@ from lbr.messages.camera import CameraState
 
 PREFIX = "camera_"
 OLDEST_S = 1.0
-"""An older picture does not count: the camera may be off."""
+"""The age at which a picture no longer counts: the camera may be off."""
 HERE, JPEG = "lbr.apps.web.cameras", "image/jpeg"
 NO_PICTURE = Refuses({503: "There is no picture now, or too many watch."})
 SIGN_IN = 'Bearer realm="lbr"'
@@ -29,42 +29,42 @@ class CameraParams(Struct, frozen=True, kw_only=True):
 
 
 class Source(Protocol):
-    """A source of pictures. Coroutines run where handlers do; `begin` and `tell` on the server's thread."""
+    """A source of pictures. Coroutines run in the loop of handlers, `begin` and `tell` on the server's thread."""
 
     async def states(self) -> Mapping[str, CameraState]:
-        """Return how each camera is, by its short name."""
+        """Return the state of each camera by its short name."""
 
     async def snapshot(self, camera: str) -> bytes | None:
-        """Return the newest picture of a camera, or of any; None if no fresh one came."""
+        """Return the newest picture of a camera, or of any; None without a fresh one."""
 
     def step(self) -> None:
         """Do one round of work."""
 
     def begin(self, deal: Deal) -> Callable[[], None]:
-        """Have pictures come, each to `deal` on the server's thread; return what ends that."""
+        """Start the pictures, each to `deal` on the server's thread; return the function that ends them."""
 
     def knows(self, session: str) -> bool:
-        """Return whether a session goes on."""
+        """Return whether a session is still valid."""
 
     def on_sign_out(self, then: Callable[[], None]) -> None:
-        """Have something called, on the server's thread, whenever a user signs out."""
+        """Call a function, on the server's thread, whenever a user signs out."""
 
     def tell(self, text: str) -> None:
-        """Write down who watches."""
+        """Report who watches."""
 
 
 class SignIn(Route):
-    """A page for known clients; others receive the page to sign in."""
+    """A page for known clients; others receive the sign-in page."""
 
     def refused(self, err: Refused) -> Response:
-        """Return the page to sign in for an unknown client, else the refusal."""
+        """Return the sign-in page for an unknown client, else the refusal."""
         if err.status != 401:
             return err.response()
         return static(HERE, "signin.html", HTML, 401, WWW_Authenticate=SIGN_IN)
 
 
 class CamerasFace(Face):
-    """The routes. All but the page to sign in require a `known` client; a trusted address is not enough."""
+    """The routes. All but the sign-in page require a `known` client; a trusted address is not enough."""
 
     name = "cameras"
 
@@ -74,7 +74,7 @@ class CamerasFace(Face):
         source.on_sign_out(lambda: self._hub.end(source.knows))
 
     def step(self, now: float) -> None:
-        """Take in what came."""
+        """Read states and pictures."""
         del now
         self._source.step()
 

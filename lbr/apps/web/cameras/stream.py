@@ -1,7 +1,7 @@
-"""MJPEG: one response whose parts are pictures, each shown by a browser as soon as it is there.
+"""MJPEG: one response of many pictures, each shown by a browser as soon as it is received.
 
-A browser shows a part once it has read the header of the next. So that header follows each picture at once, which
-makes a Content-Length of the part impossible and saves a whole interval of age.
+A browser shows a picture once it has read the next part's header. So that header follows each picture at once. This
+saves one interval of age, and rules out a Content-Length.
 """
 
 import asyncio
@@ -29,7 +29,7 @@ STALLED_S = 10.0
 
 
 class Stream(Response):
-    """Watches a camera (empty: the one that is on) until its viewer hangs up, takes nothing, or there are no more."""
+    """Streams a camera (empty: the active one) until its viewer hangs up or stalls, or the pictures end."""
 
     def __init__(self, hub: Hub, camera: str, client: Client, tell: Callable[[str], None]) -> None:
         super().__init__()
@@ -39,7 +39,7 @@ class Stream(Response):
         self._tell = tell
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Send pictures, the newest only; Refused (503) if too many watch."""
+        """Send the newest pictures; raise Refused (503) if too many watch."""
         asker, name = names.peer_name(self._client.address), self._camera or "the camera that is on"
         if full := self._hub.full(asker):
             text = f"{full} are watching already; come back when one has left"
@@ -66,7 +66,7 @@ async def _stream(viewer: Viewer, scope: Scope, receive: Receive, send: Send) ->
             await _send(send, _body(b""))  # waits until the connection takes more; the picture after that is new
         await _send(send, {"type": "http.response.body", "body": b"", "more_body": False})
     except TimeoutError:
-        viewer.end()  # and the server closes what was not completed
+        viewer.end()  # and the server closes the incomplete response
     finally:
         hang_up.cancel()
         with suppress(asyncio.CancelledError):

@@ -1,4 +1,4 @@
-"""The checks of `lbr doctor` for a robot that is served over HTTP: whether its port is free, and who may reach it."""
+"""The checks of `lbr doctor` for a robot with a web server: whether its port is free, and which machines reach it."""
 
 import errno
 from collections.abc import Iterable, Iterator
@@ -18,14 +18,14 @@ KIND = "web"
 
 
 class Place(Struct, frozen=True):
-    """Where kind `web` listens, by its row's settings and by default; the rest of them is not looked at."""
+    """The listening address of a row of kind `web`; other settings are ignored."""
 
     host: str = "127.0.0.1"
     port: Annotated[int, Meta(ge=0, le=65535)] = 50000
 
 
 def ports(robot: str, rows: Iterable[CapabilityRow]) -> Iterator[Finding]:
-    """Look at the port of every capability of a robot that serves."""
+    """Check the port of every web server of a robot."""
     runs = any(run.robot == robot for run in home.running())
     for row in rows:
         if row.kind == KIND and row.enabled:

@@ -1,4 +1,4 @@
-"""The robot's body as a face: what a page draws it and its motions from, with the limits of its joints."""
+"""The robot's body as a face: the model of body, joint limits and motions that a page draws."""
 
 from lbr.apps.web.ports import FacePorts
 from lbr.messages.joints import Joint, MotionRow, MotionStep

@@ -1,4 +1,4 @@
-"""The questions of the page's motion builder: is it balanced, what is in this file, what was this motion before."""
+"""The requests of the page's motion builder: check the balance, read and write files, list earlier versions."""
 
 from collections.abc import Mapping
 from contextlib import suppress
@@ -50,7 +50,7 @@ STATUS: Mapping[str, int] = {"busy": 503, "timeout": 503, "failed": 500, "cancel
 
 
 class UploadBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A part, counted from 0, of something packed by gzip."""
+    """A part of an upload, counted from 0; the whole is packed by gzip."""
 
     upload: UploadName
     part: Annotated[int, Meta(ge=0, le=MOST_PACKED)] = 0
@@ -64,14 +64,14 @@ class Uploaded(Struct, frozen=True, kw_only=True):
 
 
 class ReadBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A file that was sent by parts, and what it is called: its end says what form it has."""
+    """A file sent in parts, and its name, whose suffix is the form."""
 
     upload: UploadName
     file: Annotated[str, Meta(max_length=200)]
 
 
 class MotionGiven(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A motion as a page has it, which need not be kept."""
+    """A motion on a page, which need not be stored."""
 
     name: Name = "motion"
     help: Annotated[str, Meta(max_length=200)] = ""
@@ -79,7 +79,7 @@ class MotionGiven(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
 
 
 class WriteBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A motion, as `MotionGiven` sent by parts or `motion` by its name, and the form that its file is to have."""
+    """A motion, as an uploaded `MotionGiven` or by its name, and the form of its file."""
 
     upload: UploadName | None = None
     motion: Name | None = None
@@ -87,7 +87,7 @@ class WriteBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class CheckBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A motion, as `MotionGiven` sent by parts or `motion` by its name; `start` is where the joints are before it."""
+    """A motion, as an uploaded `MotionGiven` or by its name; `start` is the joints' position before it."""
 
     upload: UploadName | None = None
     motion: Name | None = None
@@ -95,7 +95,7 @@ class CheckBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Check(Struct, frozen=True, kw_only=True):
-    """A check under way: its number, how much is done, 0 to 1, and the report once there is one."""
+    """A check under way: its number, its progress from 0 to 1, and the report once it is done."""
 
     check: int
     part: float = 0.0
@@ -115,7 +115,7 @@ class VersionParams(Struct, frozen=True, kw_only=True):
 
 
 class Form(Struct, frozen=True, kw_only=True):
-    """A form of motion files, by the end of their names; `writes`: not only read."""
+    """A form of motion files, by its suffix; `writes`: it can be written, too."""
 
     suffix: str
     summary: str
@@ -123,13 +123,13 @@ class Form(Struct, frozen=True, kw_only=True):
 
 
 class Forms(Struct, frozen=True, kw_only=True):
-    """The forms that are known here."""
+    """The forms of motion files."""
 
     forms: tuple[Form, ...]
 
 
 class Building:
-    """The routes of the builder, and the work that they have done."""
+    """The routes of the builder, and their jobs."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -139,21 +139,21 @@ class Building:
         self._number = 0
 
     def step(self) -> None:
-        """Go on with what is under way."""
+        """Step the jobs under way."""
         self._works.step()
 
     def close(self) -> None:
-        """End what is under way."""
+        """End the jobs under way."""
         self._works.close()
         self._checks.clear()
 
     @property
     def jobs(self) -> int:
-        """Return how much is under way."""
+        """Return the number of jobs under way."""
         return self._works.count
 
     def given(self, client: Client, upload: str) -> MotionGiven:
-        """Return the motion that a client has sent by parts; Refused says what is wrong with it."""
+        """Return the motion in a client's upload; raise Refused if it is missing or malformed."""
         found: MotionGiven = decoded(self._uploads.take(str(client), upload), MotionGiven)
         return found
 
@@ -161,15 +161,15 @@ class Building:
     async def _upload(
         self, client: Client, body: UploadBody
     ) -> Annotated[Uploaded, Refuses({409: "A part is missing before this one.", 503: "Too much is sent at once."})]:
-        """Send what is larger than a body, in parts.
+        """Upload a file larger than a body, in parts.
 
-        Base64 of what gzip packed. It is kept for a minute, for the request that names it.
+        Each part is base64 of a piece of the gzip file. It is kept for a minute, for the request that names it.
         """
         return Uploaded(bytes=self._uploads.add(str(client), body.upload, body.part, body.content))
 
     @get("/api/motion/forms")
     def _forms(self) -> Forms:
-        """The forms of motion files that can be read and written."""
+        """The forms of motion files, for reading and writing."""
         known = motion_forms.known(self._robot.name)
         return Forms(forms=tuple(Form(suffix=s, summary=t, writes=w) for s, t, w in known))
 
@@ -177,7 +177,7 @@ class Building:
     async def _read(
         self, client: Client, body: ReadBody
     ) -> Annotated[ReadMotions, Refuses({400: "It is no motion, or none of this robot's."}), SLOW]:
-        """Read the motions in a file, for this robot's joints; nothing is kept."""
+        """Read the motions in a file, for this robot's joints; nothing is stored."""
         job = ReadJob(
             content=self._uploads.take(str(client), body.upload),
             suffix=Path(body.file).suffix.lower(),
@@ -188,7 +188,7 @@ class Building:
 
     @post("/api/motion/write", role="operate", within_s=SHORT_S + 1.0)
     async def _write(self, client: Client, body: WriteBody) -> Annotated[Written, NOT_WRITTEN, SLOW]:
-        """Write a motion as a file, in base64, with what that form cannot say."""
+        """Write a motion as a file, in base64, and list what its form cannot express."""
         job = WriteJob(
             robot=self._robot.name,
             motion=self._meant(client, body.upload, body.motion),
@@ -206,9 +206,9 @@ class Building:
 
     @post("/api/motion/check", role="operate")
     async def _check(self, client: Client, body: CheckBody) -> Annotated[Check, NO_MOTION, SLOW]:
-        """Play a motion with the simulated body, to see whether it stays on its feet.
+        """Play a motion with the simulated body, to check whether it keeps its balance.
 
-        It moves no robot. Ask how far it is; what is not asked for in 5 s ends.
+        It moves no robot. Poll for its progress; a check without a poll for 5 s is cancelled.
         """
         motion = self._meant(client, body.upload, body.motion)
         known = {one.name: one for one in self._robot.motions}
@@ -249,7 +249,7 @@ class Building:
 
     @route("DELETE", "/api/motion/check", role="operate")
     async def _cancel(self, client: Client, params: CheckParams) -> Annotated[Check, NO_CHECK]:
-        """End a check."""
+        """Cancel a check."""
         work = self._the_check(client, params.check)
         if work.result is None:
             work.end(NotDone(reason="it was cancelled", code="cancelled"))
@@ -263,7 +263,7 @@ class Building:
         return work
 
     def _meant(self, client: Client, upload: str | None, name: str | None) -> Motion:
-        """Return the motion that a request is about, with what is known of the one of its name."""
+        """Return the motion of a request; an uploaded one gets the lead-in of the stored one of its name."""
         known = {one.name: one for one in self._robot.motions}
         if upload is not None:
             given = self.given(client, upload)
@@ -280,7 +280,7 @@ class Building:
         return motion
 
     async def _done(self, job: Job, kind: type[T]) -> T:
-        """Have a job done, and return what came of it; Refused says why nothing did."""
+        """Run a job, and return its result; raise Refused without one."""
         work = self._works.start(job)
         if work is None:
             raise _refused(BUSY)
@@ -291,7 +291,7 @@ class Building:
         return result
 
     def _database(self) -> str:
-        """Return the file of this robot's rows: what runs here says it of itself."""
+        """Return the file of this robot's rows, from its run record."""
         with suppress(LbrError, OSError):
             for one in home.running():
                 if one.robot == self._robot.name:

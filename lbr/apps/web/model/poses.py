@@ -1,13 +1,13 @@
-"""The picture of a motion: the one pose of it that is furthest from standing at zero."""
+"""The picture of a motion: its pose that differs most from its beginning and end."""
 
 from lbr.messages.joints import Motion
 
 MOST_FRAMES = 2000
-"""A picture of a motion need not know what comes later."""
+"""The frames of a motion that its picture considers."""
 
 
 def key_pose(motion: Motion) -> dict[str, float]:
-    """Return the joints' angles in the key frame in which they are furthest from where the motion begins and ends."""
+    """Return the joints' angles in the key frame that differs most from the motion's beginning and end."""
     poses: list[dict[str, float]] = []
     pose: dict[str, float] = {}
     for frame in motion.frames[:MOST_FRAMES]:

@@ -1,5 +1,4 @@
-"""Answers what the robot's body is made of, and what its motions look like; made once, and again when that has
-changed."""
+"""The model of the robot's body and the poses of its motions; made once, and again after a change."""
 
 from hashlib import blake2b
 from pathlib import Path
@@ -25,7 +24,7 @@ from lbr.messages.units import Name
 
 
 class Poses(Struct, frozen=True, kw_only=True):
-    """A pose of each motion that shows what it is, in radians by joint."""
+    """A characteristic pose of each motion, in radians by joint."""
 
     poses: dict[str, dict[str, float]]
 
@@ -37,8 +36,10 @@ class MotionParams(Struct, frozen=True, kw_only=True):
 
 
 class MotionBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A motion to keep; with `replace` it takes the place of the one that has its name. A long one is sent before, by
-    parts, and named here by its `upload`."""
+    """A motion to store; with `replace` it replaces the motion of its name.
+
+    A long one is uploaded first, and named by `upload`.
+    """
 
     name: Name
     frames: Annotated[tuple[KeyFrame, ...], Meta(max_length=MAX_FRAMES)] = ()
@@ -48,7 +49,7 @@ class MotionBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class ModelFace(Face):
-    """A robot's rows do not change while the server runs: a change of theirs starts it again."""
+    """The face of the body. Rows do not change while the server runs: a change of them restarts it."""
 
     name = "model"
 
@@ -59,27 +60,27 @@ class ModelFace(Face):
         self._building = Building(robot)
 
     def step(self, now: float) -> None:  # noqa: ARG002
-        """Go on with what the builder has done."""
+        """Step the builder."""
         self._building.step()
 
     def close(self) -> None:
-        """End it."""
+        """Close the builder."""
         self._building.close()
 
     @property
     def jobs(self) -> int:
-        """Return how much of that is under way."""
+        """Return the number of the builder's jobs."""
         return self._building.jobs
 
     def routes(self) -> list[Route]:
-        """Return them."""
+        """Return its routes and the builder's."""
         return [*declared(self), *declared(self._building)]
 
     @get("/api/model")
     def _model(self, request: Request) -> Annotated[Response, {200: RobotModel, 304: None}]:
         """The robot's body: links, joints with their limits, shapes, sensors.
 
-        Metres and radians; x ahead, y left, z up. With `If-None-Match` it says 304 if nothing changed.
+        Metres and radians; x ahead, y left, z up. With `If-None-Match` the status is 304 if nothing changed.
         """
         content, tag = self._newest()
         if request.headers.get("if-none-match") == tag:
@@ -88,7 +89,7 @@ class ModelFace(Face):
 
     @get("/api/poses")
     async def _poses(self) -> Annotated[Response, {200: Poses}]:
-        """A pose of each motion that shows what it is."""
+        """A characteristic pose of each motion."""
         motions = self._robot.motions
         if self._drawn is None or self._drawn[0] is not motions:
             poses = Poses(poses={one.name: pose for one in motions if (pose := key_pose(one))})
@@ -107,7 +108,7 @@ class ModelFace(Face):
     async def _keep(
         self, client: Client, body: MotionBody
     ) -> Annotated[Message, Refuses({409: "It does not fit the robot, or there is one of this name."})]:
-        """Keep a motion in the robot's rows."""
+        """Store a motion in the robot's rows."""
         frames = body.frames if body.upload is None else self._building.given(client, body.upload).frames
         if not frames:
             raise Refused(400, f"motion '{body.name}' has no key frames")

@@ -1,4 +1,4 @@
-"""The uploads of pages in parts, because no request's body is large: packed by gzip, unpacked within bounds."""
+"""The uploads of pages, in parts, as a request's body is small: packed by gzip, and unpacked within bounds."""
 
 import zlib
 from collections.abc import Callable
@@ -9,14 +9,14 @@ from lbr.apps.web.face import Refused
 
 MOST_PACKED = 2 << 20
 MOST_BYTES = 4 << 20
-"""Unpacked: as much as a motion file may have."""
+"""The most bytes when unpacked: those of the largest motion file."""
 MOST_UPLOADS = 4
 KEPT_S = 60.0
 _GZIP = 31
 
 
 class _Upload(Struct):
-    """The parts that came, in order, and when the last did."""
+    """The received parts, and the time of the last one."""
 
     packed: bytes
     parts: int
@@ -24,14 +24,17 @@ class _Upload(Struct):
 
 
 class Uploads:
-    """All for the loop. An upload is known by its sender and a name of the sender's choice."""
+    """All uploads, for the loop. An upload is known by its sender and a name of the sender's choice."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock = clock
         self._uploads: dict[tuple[str, str], _Upload] = {}
 
     def add(self, who: str, name: str, part: int, packed: bytes) -> int:
-        """Take a part, counted from 0; the first begins it. Return how much there is; Refused where it is too much."""
+        """Add a part, counted from 0; the first begins an upload.
+
+        Return the size so far; raise Refused beyond the bounds.
+        """
         self._tidy()
         key = who, name
         if part == 0:
@@ -51,7 +54,7 @@ class Uploads:
         return len(upload.packed)
 
     def take(self, who: str, name: str) -> bytes:
-        """Return the upload, once; Refused if it is unknown, or cannot be unpacked."""
+        """Return and remove an upload, unpacked; raise Refused if it is unknown or malformed."""
         self._tidy()
         upload = self._uploads.pop((who, name), None)
         if upload is None:

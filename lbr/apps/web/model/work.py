@@ -1,8 +1,9 @@
-"""Work with motions that is too long, or too hostile, for the server's loop: done by a process of its own, which is
-bounded.
+"""Jobs with motions that would block the server's loop, or may be hostile: each runs in a bounded process of its own.
 
-loop ── job, as a file ──► python -m lbr.apps.motions.commands.work ── lines of JSON ──► step: how far · the result
-  ends it: cancelled, too late, the server ends; it dies with the server
+    loop ── job, as a file ──► python -m lbr.apps.motions.commands.work
+    loop ◄── lines of JSON ─── progress · result
+
+A job ends early when it is cancelled, is too late, or the server ends. Its process dies with the server.
 """
 
 import os
@@ -19,17 +20,17 @@ from lbr.messages.unreadable import UNREADABLE
 
 PROGRAM = "lbr.apps.motions.commands.work"
 MOST_AT_ONCE = 2
-"""Beside what moves the robot, on a small machine."""
+"""The most jobs beside the processes that move the robot, on a small machine."""
 CHECK_S, SHORT_S = 90.0, 20.0
-"""The time of a check of ten minutes of motion where a second of it takes a seventh; and of all else."""
+"""The time for a check (ten minutes of motion, on a machine that takes a seventh of it), and for all other jobs."""
 MOST_SAID = 8 << 20
 UNASKED_S = 5.0
-"""A page asks four times a second how far its check is."""
+"""The time without a poll after which a check is cancelled; a page polls four times a second."""
 BUSY = NotDone(reason=f"{MOST_AT_ONCE} pieces of work with motions are under way: try again in a moment", code="busy")
 
 
 class Work:
-    """One job under way; `part` is how much is done, `result` what came of it, once it did."""
+    """One job; `part` is its progress, `result` its result once it is over."""
 
     def __init__(self, job: Job, now: float) -> None:
         self.part = 0.0
@@ -44,7 +45,7 @@ class Work:
             self.result = NotDone(reason=f"a process for this cannot be started: {err.strerror}")
 
     def step(self, now: float) -> None:
-        """Read what it said, and end it when it is late or not asked for any more."""
+        """Read the process's output; end it when it is late, or no longer polled."""
         process = self._process
         if process is None:
             return
@@ -67,7 +68,7 @@ class Work:
             self.end(NotDone(reason="it says too much"))
 
     def end(self, result: Said) -> None:
-        """End the process; this is what came of it."""
+        """End the process, with this result."""
         self.result = result
         process, self._process = self._process, None
         if process is None:
@@ -97,7 +98,7 @@ class Works:
         self._under_way: list[Work] = []
 
     def start(self, job: Job, *, asked: bool = False) -> Work | None:
-        """Start a job, unless too many are under way; one that is to be `asked` for ends when it is not."""
+        """Start a job, unless too many are under way; one with `asked` ends when it is no longer polled."""
         self.step()
         if len(self._under_way) >= MOST_AT_ONCE:
             return None
@@ -108,25 +109,25 @@ class Works:
         return work
 
     def step(self) -> None:
-        """Go on with all of them."""
+        """Step all jobs."""
         for work in self._under_way:
             work.step(self._clock())
         self._under_way = [work for work in self._under_way if work.result is None]
 
     def close(self) -> None:
-        """End all of them."""
+        """End all jobs."""
         for work in self._under_way:
             work.end(NotDone(reason="the server ends", code="shutting_down"))
         self._under_way = []
 
     @property
     def count(self) -> int:
-        """Return how many are under way."""
+        """Return the number of jobs under way."""
         return len(self._under_way)
 
 
 def _started(job: Job) -> "subprocess.Popen[bytes]":
-    """Start the process, its job behind its standard input: a file, so that nothing waits until it is read."""
+    """Start the process with the job as its standard input; a file, so that writing never blocks."""
     with os.fdopen(os.memfd_create("motion-work", os.MFD_CLOEXEC), "w+b") as file:
         file.write(msgspec.json.encode(job) + b"\n")
         file.seek(0)

@@ -1,1 +1,1 @@
-"""The page that the robot serves of itself, as a face: what was built of the sources beside this into `dist/`."""
+"""The robot's page, as a face: the files in `dist/`, built from the sources beside this module."""

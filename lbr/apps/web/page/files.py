@@ -1,5 +1,4 @@
-"""The built files of the page and how they are served: with their types, compressed, kept by browsers as long as they
-hold."""
+"""The built files of the page, and how they are served: media types, compression, and caching by browsers."""
 
 import gzip
 import mimetypes
@@ -35,9 +34,9 @@ MEDIA = {
     ".woff2": "font/woff2",
 }
 POLICY = SECURITY["content-security-policy"] + "; manifest-src 'self'; worker-src 'self'; media-src 'self'"
-"""Scripts, styles and pictures of this server alone, none of them within the page's text."""
+"""Only scripts, styles and pictures from this server are allowed, and none within the page's text."""
 TOO_SMALL = 512
-"""Bytes that are not worth compressing."""
+"""The size below which a file is not compressed."""
 
 
 class NotBuiltError(RuntimeError):
@@ -46,7 +45,7 @@ class NotBuiltError(RuntimeError):
 
 @dataclass(frozen=True, slots=True)
 class File:
-    """A built file, with the tag by which a browser that has it names it."""
+    """A built file; `tag` is its ETag."""
 
     name: str
     media: str
@@ -56,12 +55,12 @@ class File:
 
     @property
     def lasts(self) -> bool:
-        """Return whether another content would have another name."""
+        """Return whether its name changes with its content."""
         return self.name.startswith(ASSETS)
 
 
 def built(place: Traversable | None = None) -> tuple[File, ...]:
-    """Return all files of `dist/`; NotBuiltError if there is no page in it."""
+    """Return all files of `dist/`; raise NotBuiltError without a page."""
     place = place or resources.files(__package__) / "dist"
     files = tuple(file(name, content) for name, content in _read(place)) if place.is_dir() else ()
     if not any(one.name == INDEX for one in files):
@@ -77,13 +76,13 @@ def face(_robot: Robot) -> "PageFace":
 
 
 class _Manifest(msgspec.Struct):
-    """The build's own description."""
+    """The manifest of the build."""
 
     sources: str
 
 
 def build(place: Traversable | None = None) -> str:
-    """Return the name of the built page, as it knows it itself; empty if it is not built."""
+    """Return the name of the built page, which the page itself also knows; empty if it is not built."""
     kept = (place or resources.files(__package__) / "dist") / MANIFEST
     try:
         return msgspec.json.decode(kept.read_bytes(), type=_Manifest).sources[:16]
@@ -92,7 +91,7 @@ def build(place: Traversable | None = None) -> str:
 
 
 def file(name: str, content: bytes) -> File:
-    """Return a file as it is served; compressed where that makes it smaller."""
+    """Return a file to serve; compressed if that makes it smaller."""
     suffix = f".{name.rpartition('.')[2]}"
     media = MEDIA.get(suffix) or mimetypes.guess_type(name)[0] or "application/octet-stream"
     packed = gzip.compress(content, 6, mtime=0) if len(content) >= TOO_SMALL else b""
@@ -109,7 +108,7 @@ def _read(place: Traversable, under: str = "") -> Iterator[tuple[str, bytes]]:
 
 
 class PageFace(Face):
-    """Serves the page to everybody who reaches the server: it holds nothing of the robot, and asks for all it shows."""
+    """Serves the page to every client: it holds no data of the robot, and requests all it shows."""
 
     name = "page"
 
@@ -117,7 +116,7 @@ class PageFace(Face):
         self._files = {one.name: one for one in files}
 
     def routes(self) -> list[Route]:
-        """Return the page at `/` for browsers, its parts beside it, and what carries its content in its name."""
+        """Return the routes of the page at `/` for browsers, of the files beside it, and of the assets."""
         beside = [one.name for one in self._files.values() if not one.lasts and one.name not in NOT_SERVED]
         parts = [Route(method="GET", path=f"/{name}", handle=self._of(name), role=None, page=True) for name in beside]
         return [*declared(self), *parts]
@@ -139,7 +138,7 @@ class PageFace(Face):
 
 
 def served(built_file: File, request: Request) -> Response:
-    """Return a file, or that it has not changed (304)."""
+    """Return a file, or 304 if the browser has it."""
     headers = {
         "Cache-Control": FOREVER if built_file.lasts else LOOK_AGAIN,
         "ETag": built_file.tag,
