@@ -47,20 +47,16 @@ HELD_UP_S = 3.0
 """A run ends after so long without a step, whether this process was frozen or the computer asleep."""
 MOST_ASIDE = 8
 MOST_FILES = 8
-"""The requests of pages that may wait for a table's check.
-
-The robot checks one table a round, so pages cannot overload it.
-"""
+"""The requests of pages that may wait for a table's check. The robot checks one table a round, so pages cannot overload
+it."""
 RESTING = BehaviourState(phase="resting")
 WATCHED = frozenset({"drive", "joints"})
 """The streams that report stops by others. Such a stop ends the run, even while it moves nothing."""
 
 
 class Behaviours(Capability[BehaviourSettings]):
-    """Runs one table at a time. Every stop ends the run, and so does every failure of its motion.
-
-    `dice` draws a table's random choices. Seed it to repeat a run.
-    """
+    """Runs one table at a time. Every stop ends the run, and so does every failure of its motion. `dice` draws a
+    table's random choices. Seed it to repeat a run."""
 
     rate_hz = IDLE_HZ
     woken_by_streams = False
@@ -308,10 +304,8 @@ class Behaviours(Capability[BehaviourSettings]):
                     self.ctx.event(kind, f"'{name}' {does}: {why}", level="warning")
 
     def _stopped_by_others(self) -> Reason | None:
-        """Return why another sender stopped the robot since the run began, or None.
-
-        All messages count, not the newest alone: the table's own halt may come right behind another's stop.
-        """
+        """Return why another sender stopped the robot since the run began, or None. All messages count, not the newest
+        alone: the table's own halt may come right behind another's stop."""
         moved = (*self.ctx.targets("seek"), *self.ctx.targets("play"))  # these report its own stop, too
         own = {"", self.ctx.name, *moved}
         for received in (one for stream in WATCHED for one in self._senses.arrived(stream)):

@@ -142,10 +142,8 @@ EVERY = frozenset(STREAMS)
 
 @lru_cache(maxsize=4096)
 def resolve(column: str, streams: frozenset[str] = EVERY) -> Key:
-    """Return the key of a column; raise CellError if the name is unknown or ambiguous.
-
-    `streams` are those of the robot; a bare name is looked up among them.
-    """
+    """Return the key of a column; raise CellError if the name is unknown or ambiguous. `streams` are those of the
+    robot; a bare name is looked up among them."""
     if column in _OF_THE_RUN:
         return _OF_THE_RUN[column]
     if column.startswith(VARIABLE):

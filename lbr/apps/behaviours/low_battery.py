@@ -17,10 +17,8 @@ class LowBattery:
         self._begun = False
 
     def due(self, now: float, *, low: bool | None, charging: bool, busy: bool) -> bool:
-        """Return whether to begin now; `low` is None if unknown.
-
-        It is due again only after the battery has been charged or was no longer low.
-        """
+        """Return whether to begin now; `low` is None if unknown. It is due again only after the battery has been
+        charged or was no longer low."""
         if low is False or charging:
             self._begun = False
         self._low_since = min(self._low_since, now) if low and not charging else inf

@@ -13,10 +13,8 @@ from lbr.messages.behaviour import MOST_ROWS, BehaviourRow, BehaviourTable
 
 STATE, NEXT, TYPE, DEADLINE = "Current State", "Next State", "Type", "Deadline"
 MOST_FAULTS = 50
-"""The errors after which the rest of a table is not checked.
-
-Each error costs a search for similar names, and the process that checks a table also moves the robot.
-"""
+"""The errors after which the rest of a table is not checked. Each error costs a search for similar names, and the
+process that checks a table also moves the robot."""
 MOST_COMPARED = 100
 """The rows of one state that are compared with all before them; a state written by hand has about ten."""
 

@@ -21,11 +21,8 @@ class MarkCommand(Struct, frozen=True, kw_only=True):
 
 
 class RecordCommand(Struct, frozen=True, kw_only=True):
-    """Record into a separate file, for `seconds`; 0: until it is ended.
-
-    `cameras`: with every picture. `lines`: with the bytes of the devices' lines, all commands and answers. `name`: of
-    the file; else made of the time.
-    """
+    """Record into a separate file, for `seconds`; 0: until it is ended. `cameras`: with every picture. `lines`: with
+    the bytes of the devices' lines, all commands and answers. `name`: of the file; else made of the time."""
 
     seconds: Annotated[float, Meta(ge=0.0, le=86400.0)] = 0.0
     cameras: bool = False

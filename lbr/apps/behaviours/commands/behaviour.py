@@ -287,10 +287,8 @@ def _read(path: Path, name: str) -> Read:
 
 
 def _fits(path: Path, table: BehaviourTable, read: Read, rows: RobotRows | None) -> Compiled:
-    """Return a file's table, checked beside the robot's own; raise RowError with all faults.
-
-    If cells are unreadable, only cells are checked, as the states are incomplete.
-    """
+    """Return a file's table, checked beside the robot's own; raise RowError with all faults. If cells are unreadable,
+    only cells are checked, as the states are incomplete."""
     if read.faults:
         problems = [(fault.line, f"{path}, {fault}") for fault in read.faults]
         problems += [

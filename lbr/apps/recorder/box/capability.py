@@ -83,10 +83,8 @@ class Output:
         self._last_ns = max(self._last_ns, log_ns)
 
     def flush(self, channels: Channels, now: float, begin: dict[str, str] | None, declared: bytes) -> None:
-        """Write the messages of this round.
-
-        `declared` are the schemas new since the last round, or all in a new file.
-        """
+        """Write the messages of this round. `declared` are the schemas new since the last round, or all in a new
+        file."""
         if not self._parts:
             return
         head = [declared, channels.of(sorted(self._numbers))]

@@ -127,10 +127,8 @@ class Inbox:
                 )
 
     def subscribe_lines(self, *, on: bool) -> None:
-        """Subscribe to every capability's device bytes and commands, or end that.
-
-        They are published only while somebody does.
-        """
+        """Subscribe to every capability's device bytes and commands, or end that. They are published only while
+        somebody does."""
         if on and self._taped is None:
             self._taped = wire.PolledSubscription(self._bus, keys.taped(self._robot, "*"), depth=TAPED_DEPTH)
         elif not on and self._taped is not None:

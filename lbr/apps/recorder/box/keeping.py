@@ -38,10 +38,8 @@ class Keep(Struct):
 
 
 class Keeping:
-    """The incidents of late.
-
-    Files of `before_s` and `after_s` around each are kept; the same incident within that time joins.
-    """
+    """The incidents of late. Files of `before_s` and `after_s` around each are kept; the same incident within that time
+    joins."""
 
     def __init__(self, before_s: float, after_s: float) -> None:
         self._before_s = before_s

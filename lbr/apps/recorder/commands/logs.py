@@ -90,11 +90,8 @@ def _names(folder: Path, robot: str | None) -> dict[str, Path]:
 
 
 def _chosen(name: str, logs: Collection[str]) -> list[str]:
-    """Return the logs that a name stands for.
-
-    A capability within a shared process stands for that process's log. An older log of its own needs its whole name, as
-    the list shows it.
-    """
+    """Return the logs that a name stands for. A capability within a shared process stands for that process's log. An
+    older log of its own needs its whole name, as the list shows it."""
     if "/" in name and name in logs:
         return [name]
     shared = {part: log for part, log in _sharing() if log in logs}

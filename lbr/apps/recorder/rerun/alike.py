@@ -7,11 +7,8 @@ from typing import NamedTuple
 WINDOW_NS = 300_000_000
 """The greatest distance in time of equal values: twice a tick of each operation on the way and a servo bus sweep."""
 TOLERANCE = 0.1
-"""The tolerance, as a share of a number's span in the recording.
-
-Feedback comes up to a tick earlier or later than recorded. That may change the last creeping steps of a turn, and
-nothing larger.
-"""
+"""The tolerance, as a share of a number's span in the recording. Feedback comes up to a tick earlier or later than
+recorded. That may change the last creeping steps of a turn, and nothing larger."""
 SMALLEST = 0.02
 """The least tolerance: a step of the coarsest servo's encoder in rad, and a fiftieth of full power."""
 UNTOLD = frozenset({"id", "lease", "halt", "count", "seq", "time_s", "stamp_s"})

@@ -197,10 +197,8 @@ class _TalkingEnd(_End):
 
 
 class Ends:
-    """The devices of a robot: lines by the device's address.
-
-    Open them before starting threads, as this forks a process.
-    """
+    """The devices of a robot: lines by the device's address. Open them before starting threads, as this forks a
+    process."""
 
     def __init__(self, clock: Clock, lines: Mapping[str, RecordedLine]) -> None:
         context = multiprocessing.get_context("fork")

@@ -63,11 +63,8 @@ class _Goal(Struct):
 
 
 class Feed:
-    """The commands from outside, oldest first; each recorded lease is replaced by the one of this run.
-
-    `ended` has the recorded end of each goal: a source that waited for it then also waits now. `results` are the topics
-    of results.
-    """
+    """The commands from outside, oldest first; each recorded lease is replaced by the one of this run. `ended` has the
+    recorded end of each goal: a source that waited for it then also waits now. `results` are the topics of results."""
 
     def __init__(
         self,

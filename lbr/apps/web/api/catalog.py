@@ -36,10 +36,8 @@ class Catalog:
         }
 
     def published(self, keys: Iterable[str]) -> tuple[str, ...]:
-        """Return the keys that clients may receive, each once: streams, and never commands.
-
-        Commands contain the leases of their senders, and pictures are for known clients.
-        """
+        """Return the keys that clients may receive, each once: streams, and never commands. Commands contain the leases
+        of their senders, and pictures are for known clients."""
         return tuple(dict.fromkeys(key for key in keys if key in self.streams or key in WATCHED))
 
     @property

@@ -42,20 +42,16 @@ class Handover:
 
     @post("/api/ask", role="operate")
     async def _ask(self, client: Client, body: AskBody) -> Annotated[Message, REFUSES]:
-        """Ask the holder to hand its lease over.
-
-        Publishes the event `asked_for`, with `by` in its data; the holder's page shows it.
-        """
+        """Ask the holder to hand its lease over. Publishes the event `asked_for`, with `by` in its data; the holder's
+        page shows it."""
         by, what = self._sender("ask", client, body.capability), body.capability
         self._api.tell(ASKED, f"{by} asks for {what}", {"capability": what, "by": by})
         return Message(message="told to who holds it")
 
     @post("/api/hand_over", role="operate")
     async def _hand_over(self, client: Client, body: HandOverBody) -> Annotated[Message, REFUSES]:
-        """Announce that you released a lease for another person.
-
-        Publishes the event `handed_over`, with `by` and `to` in its data. It moves and ends nothing.
-        """
+        """Announce that you released a lease for another person. Publishes the event `handed_over`, with `by` and `to`
+        in its data. It moves and ends nothing."""
         by, what, to = self._sender("hand over", client, body.capability), body.capability, body.to
         self._api.tell(HANDED, f"{by} hands {what} over to {to}", {"capability": what, "by": by, "to": to})
         return Message(message="told")

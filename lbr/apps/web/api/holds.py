@@ -60,10 +60,8 @@ class HoldNews(Struct, frozen=True, kw_only=True):
 
 
 class Wish(Struct, frozen=True, kw_only=True):
-    """The latest request of a page: its motion, since when, and the time of its last message.
-
-    `rests` counts its releases. `speed` is the share of speed that the age of its messages allows.
-    """
+    """The latest request of a page: its motion, since when, and the time of its last message. `rests` counts its
+    releases. `speed` is the share of speed that the age of its messages allows."""
 
     wanted: Wanted | None = None
     since: float = nan

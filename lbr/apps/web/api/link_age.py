@@ -15,15 +15,11 @@ from lbr.messages.description import CommandDescription
 from lbr.messages.drive import DriveCommand, TwistCommand
 
 OLDEST_S = 0.5
-"""The age beyond which a message begins nothing.
-
-On a bad phone line a page's answer to a frame takes a third of a second.
-"""
+"""The age beyond which a message begins nothing. On a bad phone line a page's answer to a frame takes a third of a
+second."""
 FULL_S = 0.15
-"""The age up to which a stick has its full speed.
-
-Between 150 and 225 ms steering by a picture breaks down (A. Khalil and J. Kwon, arXiv:2603.06850, 180 runs).
-"""
+"""The age up to which a stick has its full speed. Between 150 and 225 ms steering by a picture breaks down (A. Khalil
+and J. Kwon, arXiv:2603.06850, 180 runs)."""
 SMOOTH_S = 0.5
 """Ages are smoothed over this time, so that one lost packet (0.2 s) does not jerk the base."""
 STEP, PLAY = 0.1, 0.07
@@ -42,10 +38,8 @@ class LinkNews(Struct, frozen=True, kw_only=True):
 
 
 class LinkAge:
-    """The smoothed age of one page's messages, while its hand is on.
-
-    At rest frames are rare, so the time in a first message may be older than the link's delay by up to `wait_s`.
-    """
+    """The smoothed age of one page's messages, while its hand is on. At rest frames are rare, so the time in a first
+    message may be older than the link's delay by up to `wait_s`."""
 
     def __init__(self, wait_s: float) -> None:
         self.age_s = nan

@@ -36,10 +36,8 @@ _encode = msgspec.json.Encoder().encode
 
 
 class Live(Viewing):
-    """The sockets of pages.
-
-    `page` is the build of the served page, sent first: a page of another build moves nothing.
-    """
+    """The sockets of pages. `page` is the build of the served page, sent first: a page of another build moves
+    nothing."""
 
     def __init__(self, api: Api, gate: Gate, viewers: Turns, sessions: Sessions, page: str = "") -> None:
         super().__init__(PATH, PROTOCOL, gate, viewers)

@@ -91,19 +91,14 @@ class Managing:
 
     @post("/api/rows/undo", role="admin", within_s=WITHIN_S)
     async def _undo(self, client: Client, body: UndoBody) -> Managed:
-        """Undo a change of rows by the same client.
-
-        If others have changed its columns since, it is refused with `changed`, and nothing is written.
-        """
+        """Undo a change of rows by the same client. If others have changed its columns since, it is refused with
+        `changed`, and nothing is written."""
         return await self._ask(client, UndoRows(revision=body.revision, by=source_of(client)))
 
     @post("/api/devices", role="admin", within_s=WITHIN_S)
     async def _devices(self, client: Client) -> Managed:
-        """The plugged-in devices, and the changes of rows for them.
-
-        Each device is identified by a query that moves and changes nothing; `POST /api/rows` writes the `changes` of a
-        proposal.
-        """
+        """The plugged-in devices, and the changes of rows for them. Each device is identified by a query that moves and
+        changes nothing; `POST /api/rows` writes the `changes` of a proposal."""
         return await self._ask(client, LookAtDevices())
 
     @get("/api/tokens", role="admin", within_s=WITHIN_S)

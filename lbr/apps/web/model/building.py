@@ -161,10 +161,8 @@ class Building:
     async def _upload(
         self, client: Client, body: UploadBody
     ) -> Annotated[Uploaded, Refuses({409: "A part is missing before this one.", 503: "Too much is sent at once."})]:
-        """Upload a file larger than a body, in parts.
-
-        Each part is base64 of a piece of the gzip file. It is kept for a minute, for the request that names it.
-        """
+        """Upload a file larger than a body, in parts. Each part is base64 of a piece of the gzip file. It is kept for a
+        minute, for the request that names it."""
         return Uploaded(bytes=self._uploads.add(str(client), body.upload, body.part, body.content))
 
     @get("/api/motion/forms")
@@ -206,10 +204,8 @@ class Building:
 
     @post("/api/motion/check", role="operate")
     async def _check(self, client: Client, body: CheckBody) -> Annotated[Check, NO_MOTION, SLOW]:
-        """Play a motion with the simulated body, to check whether it keeps its balance.
-
-        It moves no robot. Poll for its progress; a check without a poll for 5 s is cancelled.
-        """
+        """Play a motion with the simulated body, to check whether it keeps its balance. It moves no robot. Poll for its
+        progress; a check without a poll for 5 s is cancelled."""
         motion = self._meant(client, body.upload, body.motion)
         known = {one.name: one for one in self._robot.motions}
         lead_in = known.get(motion.lead_in)

@@ -36,10 +36,8 @@ class MotionParams(Struct, frozen=True, kw_only=True):
 
 
 class MotionBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A motion to store; with `replace` it replaces the motion of its name.
-
-    A long one is uploaded first, and named by `upload`.
-    """
+    """A motion to store; with `replace` it replaces the motion of its name. A long one is uploaded first, and named by
+    `upload`."""
 
     name: Name
     frames: Annotated[tuple[KeyFrame, ...], Meta(max_length=MAX_FRAMES)] = ()
@@ -78,10 +76,8 @@ class ModelFace(Face):
 
     @get("/api/model")
     def _model(self, request: Request) -> Annotated[Response, {200: RobotModel, 304: None}]:
-        """The robot's body: links, joints with their limits, shapes, sensors.
-
-        Metres and radians; x ahead, y left, z up. With `If-None-Match` the status is 304 if nothing changed.
-        """
+        """The robot's body: links, joints with their limits, shapes, sensors. Metres and radians; x ahead, y left, z
+        up. With `If-None-Match` the status is 304 if nothing changed."""
         content, tag = self._newest()
         if request.headers.get("if-none-match") == tag:
             return Response(status_code=304, headers={"etag": tag, "cache-control": "no-cache"})

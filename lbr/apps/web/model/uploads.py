@@ -31,10 +31,8 @@ class Uploads:
         self._uploads: dict[tuple[str, str], _Upload] = {}
 
     def add(self, who: str, name: str, part: int, packed: bytes) -> int:
-        """Add a part, counted from 0; the first begins an upload.
-
-        Return the size so far; raise Refused beyond the bounds.
-        """
+        """Add a part, counted from 0; the first begins an upload. Return the size so far; raise Refused beyond the
+        bounds."""
         self._tidy()
         key = who, name
         if part == 0:
