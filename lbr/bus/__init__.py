@@ -1,1 +1,1 @@
-"""The one wire between processes. Nothing outside this package imports zenoh."""
+"""The bus between processes. Nothing outside this package imports zenoh."""

@@ -1,6 +1,6 @@
-"""The rights on a router: the users it knows, what each may send into it, and what it is given.
+"""The rights on a router: its users, and what each may send and receive.
 
-Zenoh enforces this and refuses nothing aloud: what is not allowed is dropped where it comes in.
+Zenoh enforces them, and reports no refusal: it drops a message that is not allowed where it arrives.
 """
 
 import os
@@ -12,7 +12,7 @@ from msgspec import Struct
 from lbr.bus import keys
 
 TOOLS = "@tools"
-"""The user that `lbr`'s own commands are on the machine where the robot runs."""
+"""The user of `lbr`'s own commands on the robot's machine."""
 
 
 class Credentials(Struct, frozen=True, kw_only=True):
@@ -23,11 +23,11 @@ class Credentials(Struct, frozen=True, kw_only=True):
 
 
 class Rights(Struct, frozen=True, kw_only=True):
-    """The rights of a user, each as key expressions; nothing else passes.
+    """The rights of a user, each as key expressions; all other messages are dropped.
 
-    `put` to publish, `ask` to query, `serve` to answer queries, `hear` to subscribe and be given, `alive` to show
-    presence and `watch` to see it. `never_put` takes back part of `put`, `never_hear` part of what others put and
-    `hear` has. `trusted` may do all else in the key space.
+    `put`: to publish. `ask`: to query. `serve`: to answer queries. `hear`: to subscribe and receive. `alive`: to show
+    presence. `watch`: to see it. `never_put` removes part of `put`, and `never_hear` part of the messages that `hear`
+    permits. `trusted` permits everything else in the key space.
     """
 
     put: tuple[str, ...] = ()
@@ -41,7 +41,7 @@ class Rights(Struct, frozen=True, kw_only=True):
     trusted: bool = False
 
     def and_of(self, more: "Rights") -> "Rights":
-        """Return the rights of both together: a right that one of the two has stays."""
+        """Return the rights of both together."""
         return Rights(
             put=_either(self.put, more.put),
             never_put=tuple(key for key in self.never_put if key in more.never_put),
@@ -60,10 +60,9 @@ def _either(some: tuple[str, ...], others: tuple[str, ...]) -> tuple[str, ...]:
 
 
 class Limits(Struct, frozen=True, kw_only=True):
-    """Limits of what a router takes from each link of `protocols`: the size of a message, and how many a second on
-    which key.
+    """The limits of a router for each link of `protocols`: the size of a message, and the rate on a key.
 
-    Puts beyond `puts_hz` are dropped where they come in. `sessions` may be open at once.
+    Puts beyond `puts_hz` are dropped where they arrive. At most `sessions` are open at the same time.
     """
 
     protocols: tuple[str, ...]
@@ -87,11 +86,11 @@ _ANNOUNCED = tuple(message for message in _EVERYTHING if message not in _GIVEN)
 
 
 _NOT_URGENT = ("interactive_high", "interactive_low", "data_high", "data", "data_low", "background")
-"""Zenoh's priorities but the highest, at which our own clients ask."""
+"""Zenoh's priorities except the highest, which our own clients use for queries."""
 
 
 def everything(robot: str) -> tuple[str, ...]:
-    """Return the whole key space; `**` passes by the chunks that begin with `@`."""
+    """Return the whole key space; `**` does not match chunks that begin with `@`."""
     system = (
         "console",
         "estop",
@@ -112,7 +111,7 @@ def everything(robot: str) -> tuple[str, ...]:
 def control(robot: str, users: Mapping[str, Rights], links: Mapping[str, Rights] | None = None) -> dict[str, Any]:
     """Return Zenoh's access control: deny by default, `users` by name and `links` by the session id of a router.
 
-    Links are unix sockets: who comes in from another machine and knows such an id gains nothing by it.
+    Links are unix sockets: a client on another machine that knows such an id gains nothing by it.
     """
     rules: list[dict[str, Any]] = []
     subjects: list[dict[str, Any]] = []
@@ -168,7 +167,7 @@ def _rule(
 
 
 def limits(bounds: Limits) -> dict[str, Any]:
-    """Return Zenoh's filters for what comes in over a kind of link."""
+    """Return Zenoh's filters for incoming messages over a kind of link."""
     common = {"link_protocols": list(bounds.protocols), "flows": ["ingress"]}
     rules = [{"key_expr": key, "freq": hz} for key, hz in bounds.puts_hz.items()]
     return {
@@ -186,11 +185,11 @@ def limits(bounds: Limits) -> dict[str, Any]:
 
 
 def never_waiting(key_exprs: tuple[str, ...], *, urgent_waits: bool = False) -> dict[str, Any]:
-    """Return Zenoh's overwriting of what is asked on these keys: no process waits for a client that asks and does not
-    read.
+    """Return Zenoh's rules that make queries on these keys droppable: no process waits for a client that asks and does
+    not read.
 
-    An answer goes as its question came, and one that may not be dropped blocks who answers for seconds. With
-    `urgent_waits` what is asked at the highest priority, as our own commands and stops are, is never dropped.
+    An answer inherits this from its query, and an undroppable one blocks its sender for seconds. With `urgent_waits`,
+    queries of the highest priority are never dropped: our own commands and stops have that.
     """
     rule = {
         "messages": ["query"],
@@ -205,7 +204,7 @@ def never_waiting(key_exprs: tuple[str, ...], *, urgent_waits: bool = False) -> 
 
 
 class Dictionary:
-    """Zenoh's file of users and passwords, in memory and gone once the router has read it."""
+    """Zenoh's file of users and passwords, in memory, and gone once the router has read it."""
 
     def __init__(self, users: Mapping[str, str]) -> None:
         self._fd = os.memfd_create("users", os.MFD_CLOEXEC)

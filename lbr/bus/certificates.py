@@ -1,5 +1,4 @@
-"""The certificate by which a robot shows on every encrypted line who it is: made by itself, known by its
-fingerprint."""
+"""The certificate that identifies a robot on every encrypted connection: self-signed, recognised by its fingerprint."""
 
 import datetime as dt
 import socket
@@ -9,18 +8,20 @@ from pathlib import Path
 from lbr.errors import InputError
 
 NAME = "robot.lbr"
-"""For whom every robot's certificate is; which robot it is, its fingerprint says."""
+"""The host name in every robot's certificate; its fingerprint identifies the robot."""
 VALID = (dt.datetime(1970, 1, 1, tzinfo=dt.UTC), dt.datetime(9999, 12, 31, 23, 59, 59, tzinfo=dt.UTC))
-"""For ever (RFC 5280, 4.1.2.5): a machine may have no clock of its own, here or where it is checked, and what is
-trusted is the fingerprint."""
+"""For ever (RFC 5280, 4.1.2.5).
+
+Either machine may have no clock, and the fingerprint is what is trusted.
+"""
 FILES = ("bus.key", "bus.crt")
-"""Their names below `credentials/`."""
+"""Their names in `credentials/`."""
 OWN_FILES = ("web.key", "web.crt")
-"""The owner's own certificate for browsers, such as one by an authority that phones know."""
+"""The owner's own certificate for browsers, such as one from an authority that phones trust."""
 
 
 def first_der(path: Path) -> bytes:
-    """Return the first certificate of a PEM file, the one that a server shows as its own; InputError if it has none."""
+    """Return the first certificate of a PEM file, which a server presents as its own; InputError if it has none."""
     text = path.read_text(encoding="ascii", errors="replace")
     begin = text.find(ssl.PEM_HEADER)
     end = text.find(ssl.PEM_FOOTER, max(begin, 0))
@@ -31,7 +32,7 @@ def first_der(path: Path) -> bytes:
 
 
 def untimely(der: bytes, now: dt.datetime) -> str:
-    """Return when a certificate is valid, if that is not now, in words; older robots' are not valid for ever."""
+    """Return a certificate's dates, in words, if it is not valid now; those of older robots expire."""
     from cryptography import x509
 
     found = x509.load_der_x509_certificate(der)

@@ -1,4 +1,4 @@
-"""Bytes from outside become messages, or a MalformedError: whatever they are, nothing else is raised."""
+"""Bytes from outside become messages, or raise MalformedError and nothing else."""
 
 from typing import Any, Generic, TypeVar
 
@@ -12,11 +12,11 @@ from lbr.messages.unreadable import UNREADABLE, keyed_once
 
 T = TypeVar("T")
 LONGEST = 200
-"""The limit of a report about an unreadable message; every console shows it."""
+"""The longest report about an unreadable message; it appears on every console."""
 
 
 class Decoder(Generic[T]):
-    """Decodes the JSON of one message type; of a command, which asks for something, no key may stand twice."""
+    """Decodes the JSON of one message type. In a command, which requests something, no key may occur twice."""
 
     def __init__(self, kind: type[T], *, command: bool = False) -> None:
         self._decoder = msgspec.json.Decoder(kind)
@@ -37,12 +37,12 @@ class Decoder(Generic[T]):
 
 
 def _bounded(text: str) -> str:
-    """Leave out the middle of what quotes a long value: what was expected stands before it, and the field behind."""
+    """Shorten a long quoted value: the expected type stands before it, and the field behind it."""
     return text if len(text) <= LONGEST else f"{text[: LONGEST // 2]}…{text[-LONGEST // 2 :]}"
 
 
 class PictureDecoder:
-    """Takes the bytes of a JPEG file as they are, if they begin and end like one."""
+    """Accepts the bytes of a JPEG file unchanged, if they begin and end like one."""
 
     def decode(self, data: bytes) -> JpegFrame:
         """Return the picture; raise MalformedError if it is not one."""
@@ -57,7 +57,7 @@ def decode(data: bytes) -> Any:
 
 
 def decode_request(data: bytes) -> Any:
-    """Return what somebody asks for, any JSON, as plain data; raise MalformedError."""
+    """Return a request, any JSON, as plain data; raise MalformedError."""
     return _request.decode(data)
 
 

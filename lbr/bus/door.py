@@ -1,4 +1,4 @@
-"""Grants of the executive to those that let others in: who may come, and with which rights."""
+"""Grants of the executive to the doors: who may come in, and with which rights."""
 
 from msgspec import Struct
 
@@ -8,8 +8,7 @@ from lbr.messages.system import Role, TokenRole
 
 
 class LanUser(Row, frozen=True, kw_only=True):
-    """A user who may come in from another machine; `hash` is of the secret, and must fit it. A kind reads it as a
-    row."""
+    """A user who may come in from another machine; `hash` is of the user's secret. A kind reads it as a row."""
 
     TABLE = "user_token"
     KEY = ("name",)
@@ -31,19 +30,19 @@ class TokenRight(Row, frozen=True, kw_only=True):
 
 
 class LanGuest(Struct, frozen=True, kw_only=True):
-    """A process of this robot that runs on another machine: who it is at the door, and what its rows wire."""
+    """A process of this robot on another machine: its user at the door, and its wires."""
 
     credentials: Credentials
     rights: Rights
 
 
 class LanConfig(Struct, frozen=True, kw_only=True):
-    """The private document of kind `lan`: what only the door to other machines needs to know.
+    """The private document of kind `lan`, which only the door to other machines receives.
 
-    `link` is how its router proves itself to the one it hangs on, whose id is `upstream`; `inside` is where its relay
-    comes in. `streams` may be read by all, `subscribed` are they and the setpoints, `stops` be used by all, and `commands`
-    maps every other command to the role it needs. `private_key` and `certificate` are files. `guests` are processes on
-    other machines; what they take themselves, by role, is in `theirs` and not in `commands`.
+    `link` are its router's credentials at the router `upstream`, to which it is connected; `inside` is the endpoint of
+    its relay. Everybody may read `streams` and use `stops`; `commands` maps every other command to its least role.
+    `subscribed` are the streams and the setpoints. `private_key` and `certificate` are files. `guests` are processes on
+    other machines; their own commands, by role, are in `theirs` and not in `commands`.
     """
 
     listen: tuple[str, ...]

@@ -10,12 +10,12 @@ def port(robot: str, capability: str, name: str) -> str:
 
 
 def console(robot: str, role: str = "operate") -> str:
-    """Return the key that takes console lines of a role; who may write there has its rights."""
+    """Return the key for console lines of a role; a sender with access to it has that role's rights."""
     return f"{robot}/@console" if role == "operate" else f"{robot}/@console/{role}"
 
 
 def console_of_pages(robot: str, role: str = "operate") -> str:
-    """Return the key for console lines of a role from servers of pages; it lets in no person."""
+    """Return the key for console lines of a role from servers of pages; it gives a person no access."""
     return f"{robot}/@console/page/{role}"
 
 
@@ -40,12 +40,12 @@ def estop_acknowledgement(robot: str, capability: str) -> str:
 
 
 def edit(robot: str) -> str:
-    """Return the key on which the executive takes edits of rows, from those that are wired to `executive.edit`."""
+    """Return the key on which the executive receives edits of rows, from capabilities wired to `executive.edit`."""
     return f"{robot}/@edit"
 
 
 def pair(robot: str) -> str:
-    """Return the key on which the executive takes the digits of a code, for a token, from kinds that pair."""
+    """Return the key on which the executive receives the digits of a code, for a token, from kinds that pair."""
     return f"{robot}/@pair"
 
 
@@ -75,17 +75,17 @@ def alive(robot: str, capability: str) -> str:
 
 
 def host(robot: str, name: str) -> str:
-    """Return the key on which a host of the robot reports, and is answered with its share of the processes."""
+    """Return the key on which a host of the robot reports; the answer is its share of the processes."""
     return f"{robot}/@host/{name}"
 
 
 def agent_alive(robot: str, host: str) -> str:
-    """Return the key of the liveliness token of a host's agent; no capability has such a name."""
+    """Return the key of the liveliness token of a host's agent; no capability can have such a name."""
     return alive(robot, agent(host))
 
 
 def agent(host: str) -> str:
-    """Return what a host's agent is called where processes are."""
+    """Return the name of a host's agent among the processes."""
     return f"{host}.agent"
 
 
@@ -95,7 +95,7 @@ def schema(robot: str, capability: str, name: str) -> str:
 
 
 def router(robot: str, session_id: str) -> str:
-    """Return the key on which one of the executive's routers answers for itself, so that its links can be tried."""
+    """Return the key on which one of the executive's routers answers, so that its links can be tested."""
     return f"{robot}/@router/{session_id}"
 
 

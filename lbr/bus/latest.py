@@ -1,4 +1,4 @@
-"""The newest message of many streams at once, and how old each is."""
+"""The newest messages of several streams at once, with their ages."""
 
 import contextlib
 import time
@@ -11,19 +11,19 @@ from lbr.errors import MalformedError
 
 
 class Latest(NamedTuple):
-    """The newest message of a stream; its age is null where the clock of its sender is not ours."""
+    """The newest message of a stream; its age is None if its sender has another clock."""
 
     message: dict[str, Any]
     age_s: float | None
 
 
 def ask(bus: Session, keys: Iterable[str], *, source: str, timeout_s: float) -> dict[str, Latest]:
-    """Return the newest message of each stream by its topic; streams without an answer in time are left out."""
+    """Return the newest message of each stream by its topic, except streams that do not answer in time."""
     newest: dict[str, Latest] = {}
     for raw in wire.ask_all(bus, keys, source=source, timeout_s=timeout_s):
         sent = stamp.read(raw.attachment)
         age_s = (time.monotonic_ns() - sent.mono_ns) / 1e9 if sent and sent.boot == stamp.boot_id() else None
-        with contextlib.suppress(MalformedError):  # what a program publishes may be anything
+        with contextlib.suppress(MalformedError):  # a program may publish anything
             value = codec.decode(raw.payload)
             if isinstance(value, dict):
                 newest[raw.key.partition("/")[2]] = Latest(value, age_s)

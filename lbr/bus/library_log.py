@@ -1,4 +1,4 @@
-"""The log of the bus library, as lines: the only report of some events at a router."""
+"""The log lines of the bus library, which are the only report of some events at a router."""
 
 import contextlib
 import fcntl
@@ -11,30 +11,32 @@ import zenoh
 LOUDNESS = "RUST_LOG"
 PIPE_BYTES = 1 << 20
 ACCEPTED = "zenoh_link_tls=debug,zenoh_link_tcp=debug,zenoh_transport::unicast::establishment::accept=debug"
-"""The parts of the library that report connections, admitted or refused."""
+"""The parts of the library that report accepted or refused connections."""
 
 
 class LibraryLog:
-    """Turns this process's standard output, where the library writes, into a pipe; to be made once, before any session.
+    """Replaces this process's standard output, to which the library writes, by a pipe; to be made once, before any
+    session.
 
-    The library never waits for the reader: what does not fit into the pipe, a mebibyte if there may be such, is lost.
+    The library never waits for the reader: lines that do not fit into the pipe are lost. The pipe holds a mebibyte if
+    permitted.
     """
 
     def __init__(self, parts: str) -> None:
         self._fd, write_end = os.pipe()
         os.set_blocking(self._fd, False)
         os.set_blocking(write_end, False)
-        with contextlib.suppress(OSError):  # a user who has many pipes may have no large one
+        with contextlib.suppress(OSError):  # a user with many pipes may have no large one
             fcntl.fcntl(write_end, fcntl.F_SETPIPE_SZ, PIPE_BYTES)
         sys.stdout.flush()
         os.dup2(write_end, 1)
         os.close(write_end)
         self._rest = b""
-        os.environ[LOUDNESS] = parts  # alone: beside words that the library does not understand it would say nothing
+        os.environ[LOUDNESS] = parts  # alone: other words, unknown to the library, silence it
         zenoh.try_init_log_from_env()
 
     def wait(self, timeout_s: float) -> list[str]:
-        """Return the lines that came, waiting for the first."""
+        """Wait for a line; return the new ones."""
         if not select.select([self._fd], [], [], timeout_s)[0]:
             return []
         *lines, rest = (self._rest + os.read(self._fd, PIPE_BYTES)).split(b"\n")

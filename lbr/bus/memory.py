@@ -1,8 +1,5 @@
 """A bus in one process whose clock is stepped. It carries the same bytes, stamps and seals as Zenoh, always in the same
-order.
-
-A message of one round arrives in the next. That is late, as on a busy machine.
-"""
+order. A message of one round arrives in the next, as late as on a busy machine."""
 
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
@@ -18,9 +15,9 @@ from lbr.bus.wire import CommandQueue, RawMessage, Request
 from lbr.messages.camera import JpegFrame
 
 BEGAN_S = 100.0
-"""Not zero, so that a time that was never set is not mistaken for one that was."""
+"""Not zero, so that an unset time differs from it."""
 MOMENT_NS = 1000
-"""Of two messages of one round, one is the newer."""
+"""The time between two messages of one round, so that one is newer."""
 
 
 class Memory:
@@ -48,12 +45,12 @@ class Memory:
         return self._now_ns / 1e9
 
     def moment(self) -> float:
-        """Return a moment of this round that is later than all before."""
+        """Return a time in this round that is later than all before."""
         self._moment_ns = max(self._moment_ns + MOMENT_NS, round(self.now * 1e9))
         return self._moment_ns / 1e9
 
     def step(self, seconds: float) -> None:
-        """Let time go by, and deliver what was sent."""
+        """Advance the time, and deliver what was sent."""
         self._now_ns += round(seconds * 1e9)
         sent, self._sent = self._sent, []
         for deliver in sent:
@@ -65,15 +62,15 @@ class Memory:
                 late.finish()
 
     def send(self, deliver: Callable[[], None]) -> None:
-        """Have something done at the begin of the next round."""
+        """Call something at the beginning of the next round."""
         self._sent.append(deliver)
 
     def wait(self, question: "MemoryQuestion") -> None:
-        """Have a question end in time."""
+        """End a question when its time is over."""
         self._questions.append(question)
 
     def show(self, name: str, *, alive: bool = True) -> None:
-        """Let a name be there, or no longer."""
+        """Let a name be present, or no longer."""
         (self.names.add if alive else self.names.discard)(name)
         for changed in self.watchers:
             changed(name, alive)
@@ -84,13 +81,13 @@ class Memory:
         feed = MemoryFeed(self, key, 1, lambda: hear(decoder.decode(feed.take()[0].payload)))
 
     def publish(self, key: str, message: Any, source: str, *, sent_s: float | None = None, seal: bytes = b"") -> None:
-        """Publish on a key, as somebody who is not on this bus otherwise."""
+        """Publish on a key as a sender that is not otherwise on this bus."""
         payload, count = wire.encode(message), self._counts.get(key, 0) + 1
         self._counts[key] = count
         self.carry(key, payload, stamps.make(source, count, payload, seal, sent_s=sent_s or self.moment()))
 
     def carry(self, key: str, payload: bytes, attachment: bytes) -> None:
-        """Bring bytes to all who receive that key: streams, and commands that are put."""
+        """Deliver bytes to all receivers of a key: streams, and commands that are put."""
 
         def deliver() -> None:
             message = RawMessage(key, payload, attachment, self.now)
@@ -111,13 +108,13 @@ class MemoryFeed:
         memory.feeds.setdefault(key, []).append(self)
 
     def bring(self, message: RawMessage) -> None:
-        """Keep a message, and wake who takes it."""
+        """Keep a message, and wake the reader."""
         self._slots.append(message)
         if self._wake is not None:
             self._wake()
 
     def take(self) -> list[RawMessage]:
-        """Return what arrived since the last call, oldest first."""
+        """Return the messages since the last call, oldest first."""
         taken = list(self._slots)
         self._slots.clear()
         return taken
@@ -129,7 +126,7 @@ class MemoryFeed:
 
 
 class MemoryOutput:
-    """A stream that is published; pictures count as watched while somebody receives them."""
+    """A published stream; pictures count as watched while somebody receives them."""
 
     def __init__(self, memory: Memory, key: str, source: str, seal: bytes, *, follows: bool) -> None:
         self.key, self.count = key, 0
@@ -137,7 +134,7 @@ class MemoryOutput:
 
     @property
     def watched(self) -> bool:
-        """The existence of a subscriber, of an output that asks for it."""
+        """Return whether there is a subscriber, for an output that asks for it."""
         return not self._follows or bool(self._memory.feeds.get(self.key))
 
     def put(self, message: Any, *, taken_s: float | None = None, payload: bytes | None = None) -> bytes:
@@ -152,7 +149,7 @@ class MemoryOutput:
         return attachment
 
     def forget(self) -> None:
-        """Answer no `get` any more with what was published."""
+        """Stop answering `get` with the last message."""
         self._memory.latest.pop(self.key, None)
 
 
@@ -179,7 +176,7 @@ class MemoryRequest(Request):
 
 
 class MemoryQuestion:
-    """A query under way; to a missing target it ends at once."""
+    """A query under way; without a target it ends at once."""
 
     def __init__(
         self, memory: Memory, key: str, payload: bytes, attachment: bytes, timeout_s: float, wake: Callable[[], None]
@@ -199,7 +196,7 @@ class MemoryQuestion:
         memory.wait(self)
 
     def bring(self, reply: RawMessage) -> None:
-        """Take the answer, unless it is too late."""
+        """Accept the answer, unless it is too late."""
         if not self.done:
             self.replies.append(reply)
             self.finish()
@@ -212,7 +209,7 @@ class MemoryQuestion:
 
 @dataclass
 class MemoryPresence:
-    """The names that are there."""
+    """The names that are present."""
 
     names: set[str]
 
@@ -279,23 +276,23 @@ class MemoryTransport:
         self.memory.publish(key, message, source)
 
     def document(self, key: str, make: Callable[[], Mapping[str, Any]]) -> None:
-        """Keep nothing: nobody asks here what a message is like."""
+        """Do nothing: nobody asks for schemas here."""
 
     def presence(self, robot: str, changed: Callable[[str, bool], None]) -> MemoryPresence:
-        """Watch who is there."""
+        """Watch who is present."""
         del robot
         self.memory.watchers.append(changed)
         self._close.append(lambda: self.memory.watchers.remove(changed))
         return MemoryPresence(self.memory.names)
 
     def alive(self, robot: str, name: str) -> None:
-        """Show that a capability is there."""
+        """Show that a capability is present."""
         del robot
         self.memory.show(name)
         self._close.append(lambda: self.memory.show(name, alive=False))
 
     def close(self) -> None:
-        """Take back all that was declared."""
+        """Withdraw all declarations."""
         closing, self._close = self._close, []
         for take_back in reversed(closing):
             take_back()

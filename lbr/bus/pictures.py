@@ -1,7 +1,7 @@
-"""JPEG pictures, as far as they must be known without decoding them: whether one is whole, and how large it is."""
+"""JPEG pictures without decoding: whether one is whole, and its size."""
 
 MOST_BYTES = 900_000
-"""No larger picture travels: the bus takes a message of a megabyte at most."""
+"""No larger picture is sent: the bus accepts messages of up to a megabyte."""
 
 _BEGIN, _END = b"\xff\xd8", b"\xff\xd9"
 _ALONE = {0x01, *range(0xD0, 0xD8)}
@@ -33,6 +33,6 @@ def size_px(data: bytes) -> tuple[int, int] | None:
 
 
 def described(data: bytes) -> str:
-    """Return what a picture is, for people."""
+    """Return a description of a picture, for people."""
     size = size_px(data)
     return f"JPEG, {f'{size[0]}x{size[1]}, ' if size else ''}{len(data)} bytes"

@@ -1,4 +1,4 @@
-"""Looking at the bus from outside: what there is, how often it really comes, and how late."""
+"""A look at the bus from outside: its streams, their real rates, and their delays."""
 
 import time
 from collections import deque
@@ -28,7 +28,7 @@ def survey(session: zenoh.Session, key: str, *, source: str, timeout_s: float = 
 
 @dataclass(frozen=True, slots=True)
 class Arrival:
-    """One message's stamp and when it came in, by this machine's monotonic clock."""
+    """A message's stamp and its arrival, by this machine's monotonic clock."""
 
     key: str
     attachment: bytes
@@ -37,7 +37,7 @@ class Arrival:
 
 
 class Arrivals:
-    """Notes the arrival of every message on a key: nothing is decoded on the bus library's thread."""
+    """Records the arrival of every message on a key, without decoding on the bus library's thread."""
 
     def __init__(self, session: zenoh.Session, key: str, *, depth: int = 200_000) -> None:
         self.count = 0

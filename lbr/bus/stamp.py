@@ -1,4 +1,4 @@
-"""The stamp that every publication carries, and the seal that proves who wrote a setpoint."""
+"""The stamp of every publication, and the seal that proves the author of a setpoint."""
 
 import hashlib
 import hmac
@@ -28,7 +28,7 @@ class Origin(NamedTuple):
 
 @lru_cache(maxsize=1)
 def boot_id() -> str:
-    """Return the mark of this machine's run, so that monotonic times can be compared; empty if unknown."""
+    """Return the identity of this machine's boot, within which monotonic times can be compared; empty if unknown."""
     try:
         return Path("/proc/sys/kernel/random/boot_id").read_text()[:8]
     except OSError:
@@ -51,11 +51,11 @@ def make(
     waited_s: float = 0.0,
     origin: Origin | None = None,
 ) -> bytes:
-    """Return the attachment of a publication; with a key it is sealed, so that only the key's owners could write it.
+    """Return the attachment of a publication; a key seals it, as proof that its author owns the key.
 
-    `token` names the token whose secret is the key, for the door of a robot elsewhere. `sent_s` is when what is passed
-    on was sent first, on this machine's monotonic clock; now, if it is not given. `waited_s` is for how long it had
-    waited here by then. `origin` is whose it is, where it is passed on, and since when.
+    `token` names the token whose secret is the key, for a robot's door on another machine. `sent_s` is when a passed-on
+    message was first sent, on this machine's monotonic clock; by default, now. `waited_s` is how long it had waited
+    here by then. `origin` is its original sender.
     """
     mono_ns = time.monotonic_ns() if sent_s is None else round(sent_s * 1e9)
     if origin is not None:
@@ -76,9 +76,9 @@ def make(
 
 
 def passed_on(attachment: bytes, via: str, token: str = "") -> bytes:
-    """Return the attachment of a message from another machine as it goes on from the door `via`: never sealed.
+    """Return the attachment with which the door `via` passes on a message from another machine: never sealed.
 
-    `token` is whose it was proven to be.
+    `token` names its sender's verified token.
     """
     found = read(attachment) or Stamp(source="", seq=0, mono_ns=0, wall_ns=0)
     return _encoder.encode(replace(found, seal="", via=via, token=token))
@@ -95,7 +95,7 @@ def read(attachment: bytes | None) -> Stamp | None:
 
 
 def genuine(stamp: Stamp | None, payload: bytes, key: bytes) -> bool:
-    """Return whether a stamp's seal fits its payload and key; without a key none does, since anybody could make it."""
+    """Return whether a stamp's seal fits its payload and key; never without a key, since anybody could make it."""
     if stamp is None or not key:
         return False
     expected = _seal(key, payload, stamp.seq, stamp.mono_ns, stamp.boot)
@@ -103,7 +103,7 @@ def genuine(stamp: Stamp | None, payload: bytes, key: bytes) -> bool:
 
 
 def sent_s(stamp: Stamp | None, arrived: float) -> float:
-    """Return when a message was sent, on our monotonic clock; when it arrived, if its sender's clock is another."""
+    """Return when a message was sent, on our monotonic clock; its arrival, if its sender has another clock."""
     if stamp is None or not stamp.boot or stamp.boot != boot_id():
         return arrived
     return min(arrived, stamp.mono_ns / 1e9)

@@ -1,4 +1,4 @@
-"""Tokens: what a user on another machine shows a robot, and by what that machine knows the robot again."""
+"""Tokens: the proof of a user on another machine to a robot, and of the robot to that machine."""
 
 import hashlib
 import re
@@ -16,7 +16,7 @@ _SHAPE = re.compile(rf"({_NAME.pattern})\.([A-Za-z0-9_-]{{43}})\.([A-Za-z0-9_-]{
 
 
 class Token(Struct, frozen=True, kw_only=True):
-    """A name, the secret that proves it, and the fingerprint of the robot's certificate; written with dots between."""
+    """A name, the secret that proves it, and the fingerprint of the robot's certificate; dots separate them."""
 
     name: str
     secret: str
@@ -27,12 +27,12 @@ class Token(Struct, frozen=True, kw_only=True):
 
     @property
     def credentials(self) -> Credentials:
-        """Return how its holder proves itself on the bus."""
+        """Return its holder's credentials on the bus."""
         return Credentials(user=self.name, password=self.secret)
 
 
 def parse(text: str) -> Token:
-    """Return the token that a text is; raise InputError without repeating the text."""
+    """Parse a token; raise InputError without repeating the text."""
     match = _SHAPE.fullmatch(text.strip())
     if match is None:
         raise InputError(
@@ -47,26 +47,26 @@ def is_one(text: str) -> bool:
 
 
 def check_name(name: str) -> str:
-    """Return a name that a token may have; InputError names the allowed ones."""
+    """Return a valid token name; raise InputError with the allowed ones."""
     if _NAME.fullmatch(name) is None:
         raise InputError("a token's name has up to 40 letters, digits, - and _, and begins with a letter or digit")
     return name
 
 
 def fingerprint(certificate_der: bytes) -> str:
-    """Return by what a certificate is known in a token and on the screen."""
+    """Return the form of a certificate's fingerprint in tokens and on the screen."""
     return text(hashlib.sha256(certificate_der).digest())[:FINGERPRINT_CHARACTERS]
 
 
 def hashed(secret: str) -> str:
-    """Return the hash of a secret for the rows: argon2id, at OWASP's least cost."""
+    """Return the hash of a secret for the rows: argon2id, at OWASP's lowest cost."""
     import argon2
 
     return argon2.PasswordHasher(time_cost=ROUNDS, memory_cost=MEMORY_KIB, parallelism=LANES).hash(secret)
 
 
 def fits(secret: str, stored: str) -> bool:
-    """Return whether a hash is of this secret; this needs some 25 ms."""
+    """Return whether a hash is of this secret; takes some 25 ms."""
     import argon2
 
     try:

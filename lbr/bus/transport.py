@@ -1,4 +1,4 @@
-"""Below a capability's context: a clock, streams, commands and presence; Zenoh's, or memory's (`lbr.bus.memory`)."""
+"""The layer below a capability's context: clock, streams, commands and presence; on Zenoh or in `lbr.bus.memory`."""
 
 import threading
 import time
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Feed: TypeAlias = "wire.Subscription | wire.PolledSubscription | MemoryFeed"
 Transport: TypeAlias = "ZenohTransport | MemoryTransport"
 BORROWED_TRIES, BORROWED_S = 50, 0.001
-"""Another thread looks at a declaration for microseconds."""
+"""Another thread uses a declaration for microseconds."""
 
 
 class Question(Protocol):
@@ -31,9 +31,9 @@ class Question(Protocol):
 
 
 class ZenohTransport:
-    """One participant's part of the bus, by a session of Zenoh. `leave` closes the session, or leaves it to others.
+    """One participant's part of the bus, on a session of Zenoh. `leave` closes the session, or leaves it to others.
 
-    Of a session that is `shared`, closing takes back all that was declared here, and nothing else.
+    On a `shared` session, closing withdraws only the declarations made here.
     """
 
     def __init__(self, opened: session.Session, leave: Callable[[], None], *, shared: bool = False) -> None:
@@ -61,8 +61,7 @@ class ZenohTransport:
     def subscribe(
         self, key: str, *, depth: int, wake: Callable[[], None] | None
     ) -> wire.Subscription | wire.PolledSubscription:
-        """Receive the newest `depth` messages of a stream; without `wake` they wait within Zenoh until they are
-        taken."""
+        """Receive the newest `depth` messages of a stream; without `wake`, Zenoh keeps them until they are taken."""
         feed = (
             wire.PolledSubscription(self.session, key, depth=depth)
             if wake is None
@@ -95,11 +94,11 @@ class ZenohTransport:
         )
 
     def newest(self, keys: Iterable[str], *, source: str, timeout_s: float) -> list[RawMessage]:
-        """Return the latest values of streams, as far as they come in time."""
+        """Return the latest values of the streams that answer in time."""
         return wire.ask_all(self.session, keys, source=source, timeout_s=timeout_s)
 
     def put(self, key: str, message: Any, *, source: str) -> None:
-        """Publish once, ahead of all streams. BusError: it was not sent."""
+        """Publish once, ahead of all streams; raise BusError if it was not sent."""
         wire.put(self.session, key, message, source=source, urgent=True)
 
     def document(self, key: str, make: Callable[[], Mapping[str, Any]]) -> None:
@@ -107,13 +106,13 @@ class ZenohTransport:
         self._declared.append(wire.StaticReply(self.session, key, make).close)
 
     def presence(self, robot: str, changed: Callable[[str, bool], None]) -> wire.Presence:
-        """Watch who is there."""
+        """Watch who is present."""
         presence = wire.Presence(self.session, robot, changed)
         self._declared.append(presence.close)
         return presence
 
     def alive(self, robot: str, name: str) -> None:
-        """Show that a capability is there."""
+        """Show that a capability is present."""
         self._declared.append(wire.alive(self.session, robot, name).undeclare)
 
     def close(self) -> None:
@@ -126,10 +125,9 @@ class ZenohTransport:
 
 
 class SharedSession:
-    """One session for several who share a process, from the first to the last of them.
+    """One session for several participants of a process, from the first to the last of them.
 
-    A message of one of them reaches the others within the process, without a router; messages of others reach all of
-    them once.
+    Their messages to each other stay within the process; messages of others arrive once for all of them.
     """
 
     def __init__(self) -> None:
@@ -138,7 +136,7 @@ class SharedSession:
         self._parts = 0
 
     def enter(self, connect: Callable[[], session.Session]) -> ZenohTransport:
-        """Return a part of it; BusError: the router does not let it in."""
+        """Return a participant's part; raise BusError if the router refuses it."""
         with self._lock:
             self._session = self._session or connect()
             self._parts += 1
@@ -153,7 +151,7 @@ class SharedSession:
 
 
 def _once_unborrowed(take_back: Callable[[], object]) -> None:
-    """Take a declaration back, once no other thread looks at it any more; it may have been taken back already."""
+    """Withdraw a declaration once no other thread uses it; it may have been withdrawn already."""
     for _ in range(BORROWED_TRIES):
         with suppress(zenoh.ZError):
             try:

@@ -1,4 +1,4 @@
-"""Addresses of unix sockets whose path is longer than the kernel takes at once."""
+"""Addresses of unix sockets whose path is longer than the kernel accepts."""
 
 import os
 from collections.abc import Iterator
@@ -6,13 +6,12 @@ from contextlib import contextmanager
 from pathlib import Path
 
 LONGEST = 107
-"""Bytes of `sun_path` but for the zero at its end (unix(7))."""
+"""Bytes of `sun_path` without the zero at its end (unix(7))."""
 
 
 @contextmanager
 def address_of(path: str | Path) -> Iterator[str]:
-    """Yield what bind and connect take for a path of any length, for as long as they need it; OSError: its folder is
-    not there."""
+    """Yield a short address for a path of any length, for bind and connect; raise OSError if its folder is missing."""
     path = Path(path)
     if len(os.fsencode(path)) <= LONGEST:
         yield str(path)

@@ -1,4 +1,4 @@
-"""Publishing, receiving, answering and asking: thin, so that nothing but a slot write happens on Zenoh's threads."""
+"""Publishing, receiving, answering and asking: a thin layer, so that Zenoh's threads only write to a slot."""
 
 import contextlib
 import functools
@@ -31,7 +31,7 @@ encode = msgspec.json.Encoder().encode
 
 
 class RawMessage(msgspec.Struct, frozen=True, gc=False):
-    """A message as it came in: its bytes, its attachment and the key it was published on."""
+    """A message as it arrived: its bytes, its attachment and its key."""
 
     key: str
     payload: bytes
@@ -40,14 +40,14 @@ class RawMessage(msgspec.Struct, frozen=True, gc=False):
 
 
 def raw(sample: zenoh.Sample) -> RawMessage:
-    """Take a sample's bytes out of Zenoh."""
+    """Copy a sample's bytes out of Zenoh."""
     attachment = sample.attachment
     taken = attachment.to_bytes() if attachment is not None else b""
     return RawMessage(str(sample.key_expr), sample.payload.to_bytes(), taken, time.monotonic())
 
 
 def drained(slots: deque[T]) -> list[T]:
-    """Take all that waits, oldest first, while another thread may add to it."""
+    """Remove all waiting items, oldest first, while another thread may append to them."""
     taken = []
     while slots:
         taken.append(slots.popleft())
@@ -55,12 +55,12 @@ def drained(slots: deque[T]) -> list[T]:
 
 
 def plain(err: Exception) -> str:
-    """Leave out where in the library's source an error was raised."""
+    """Return an error's text without the place in the library's source."""
     return re.sub(r" at /\S+", "", str(err)).rstrip(". !")
 
 
 def canonical(key: str) -> str:
-    """Return a key expression as the library takes it; BusError if it is not valid."""
+    """Return a key expression in the library's form; raise BusError if it is invalid."""
     try:
         return str(zenoh.KeyExpr.autocanonize(key))
     except zenoh.ZError as err:
@@ -73,7 +73,7 @@ def _leave(err: BaseException) -> None:
 
 
 on_callback_error: Callable[[BaseException], None] = _leave
-"""The reaction to an exception on one of Zenoh's threads, where it would go unseen; by default the process ends."""
+"""The reaction to an exception on one of Zenoh's threads, where nobody would see it; by default the process ends."""
 
 
 def direct(handle: Callable[[Any], None]) -> "zenoh.handlers.Callback[Any]":  # only the stub is generic
@@ -91,9 +91,9 @@ def direct(handle: Callable[[Any], None]) -> "zenoh.handlers.Callback[Any]":  # 
 class Publisher:
     """One stream: publishes stamped messages, and answers a `get` with its latest value. One thread publishes.
 
-    It carries JSON, or, with `pictures`, the bytes of JPEG files. `renew` makes of the latest value what a `get` is
-    told, on Zenoh's thread, where a part of it may have changed since; it must be quick and thread-safe. `watching` is
-    called on Zenoh's thread whenever the first subscriber has come or the last one has gone, see `watched`.
+    It carries JSON, or, with `pictures`, the bytes of JPEG files. `renew` updates the latest value for the answer to a
+    `get`, if part of it changes with time. It runs on Zenoh's thread, and must be quick and thread-safe. `watching` is
+    called on Zenoh's thread whenever the first subscriber comes or the last one goes; see `watched`.
     """
 
     def __init__(
@@ -110,7 +110,7 @@ class Publisher:
         self.key = key
         self.count = 0
         self.watched = True
-        """The existence of a subscriber; a publisher that was not asked for this assumes one."""
+        """True while there is a subscriber; without `watching`, always."""
         self._encoding = JPEG if pictures else JSON
         self._source = source
         self._seal = seal
@@ -127,10 +127,11 @@ class Publisher:
             self._watch(watching)
 
     def put(self, message: Any, *, taken_s: float | None = None, payload: bytes | None = None) -> bytes:
-        """Publish, and return the stamp; a bus that is away loses it silently, so motion never relies on it alone.
+        """Publish, and return the stamp. Without a bus the message is lost silently, so motion never relies on it
+        alone.
 
-        `taken_s` is when a picture was taken, by the monotonic clock: its stamp bears that time. `payload` is the
-        message as bytes, where those are known.
+        `taken_s` is when a picture was taken, by the monotonic clock; it becomes the time of the stamp. `payload` is
+        the message as bytes, if they are known.
         """
         if payload is None:
             payload = message.data if isinstance(message, JpegFrame) else encode(message)
@@ -141,17 +142,17 @@ class Publisher:
         return attachment
 
     def forget(self) -> None:
-        """Answer no `get` any more with what was published, until there is something new."""
+        """Stop answering `get` with the last message, until there is a new one."""
         self._last = None
 
     def close(self) -> None:
-        """Stop publishing and answering; RuntimeError while another thread looks at the publisher."""
+        """Stop publishing and answering; raise RuntimeError while another thread uses the publisher."""
         self._publisher.undeclare()
         self._latest.undeclare()
 
     def _watch(self, watching: Callable[[], None]) -> None:
         def look(_status: object = None) -> None:
-            with contextlib.suppress(zenoh.ZError, RuntimeError):  # it is being undeclared by another thread
+            with contextlib.suppress(zenoh.ZError, RuntimeError):  # another thread is undeclaring it
                 self.watched = bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]  # the stub says bool
             watching()
 
@@ -170,7 +171,7 @@ class Publisher:
 
 
 class Subscription:
-    """The newest `depth` messages of a key expression, written by Zenoh's thread and taken by ours."""
+    """The newest `depth` messages of a key expression, written by Zenoh's thread and read by ours."""
 
     def __init__(
         self, session: zenoh.Session, key: str, *, depth: int = 1, wake: Callable[[], None] = lambda: None
@@ -183,7 +184,7 @@ class Subscription:
             raise BusError(f"{key}: {plain(err)}") from err
 
     def take(self) -> list[RawMessage]:
-        """Return what arrived since the last call, oldest first."""
+        """Return the messages since the last call, oldest first."""
         return drained(self._slots)
 
     def close(self) -> None:
@@ -198,7 +199,7 @@ class Subscription:
 class PolledSubscription:
     """The newest `depth` messages of a key expression, kept by Zenoh until we look: no Python runs when one arrives.
 
-    It costs half of what a Subscription does; what it says of a message's arrival is when it was taken.
+    It costs half as much as a Subscription. The arrival of a message is the time of `take`.
     """
 
     def __init__(self, session: zenoh.Session, key: str, *, depth: int = 1) -> None:
@@ -206,7 +207,7 @@ class PolledSubscription:
         self._subscriber = session.declare_subscriber(key, zenoh.handlers.RingChannel(depth))
 
     def take(self) -> list[RawMessage]:
-        """Return what arrived since the last call, oldest first."""
+        """Return the messages since the last call, oldest first."""
         messages: list[RawMessage] = []
         now = time.monotonic()
         while (sample := self._received()) is not None:
@@ -217,7 +218,7 @@ class PolledSubscription:
 
     def close(self) -> None:
         """Stop receiving."""
-        with contextlib.suppress(zenoh.ZError):  # of a session that is closed
+        with contextlib.suppress(zenoh.ZError):  # its session is closed
             self._subscriber.undeclare()
 
     def _received(self) -> zenoh.Sample | None:
@@ -228,7 +229,7 @@ class PolledSubscription:
 
 
 class Request:
-    """A query, or a `put` on a command key, waiting for an answer."""
+    """A query, or a `put` on a command key, that waits for an answer."""
 
     def __init__(self, key: str, payload: bytes, attachment: bytes, query: zenoh.Query | None) -> None:
         self.key = key
@@ -247,7 +248,7 @@ class Request:
         self.forward_reply(encode(message), stamps.make(source, 0))
 
     def forward_reply(self, payload: bytes, attachment: bytes) -> None:
-        """Answer with the bytes of another's answer, once."""
+        """Pass on another's answer as bytes, once."""
         query, self._query = self._query, None
         if query is None:
             return
@@ -256,10 +257,10 @@ class Request:
 
 
 class CommandQueue:
-    """The commands of one key: queued, bounded, until they are taken.
+    """The commands of one key: a bounded queue.
 
-    A message that quotes the lease `first` has a queue of its own and is served before all else. With an `inflow` each
-    other sender is let in only as often as that allows.
+    Messages that quote the lease `first` have a queue of their own and are served before all others. An `inflow` limits
+    the rate of every other sender.
     """
 
     def __init__(self, key: str, wake: Callable[[], None], source: str, inflow: Inflow | None) -> None:
@@ -273,11 +274,11 @@ class CommandQueue:
         self._waiting_first: deque[Request] = deque()
 
     def take(self) -> list[Request]:
-        """Return the waiting requests, oldest first; before them those that quote the lease that is served first."""
+        """Remove and return the waiting requests, oldest first, with those of the lease `first` before them."""
         return drained(self._waiting_first) + drained(self._waiting)
 
     def queue(self, request: Request) -> None:
-        """Have a request wait, or refuse it where there is no room."""
+        """Queue a request, or refuse it if the queue is full."""
         first = self.first
         quotes = bool(first) and first in request.payload
         waiting = self._waiting_first if quotes else self._waiting
@@ -321,7 +322,7 @@ class QueryServer(CommandQueue):
 
     def _asked(self, query: zenoh.Query) -> None:
         if str(query.key_expr) != self.key:
-            return  # a query with a wildcard only looks around; a command is meant for one
+            return  # a query with a wildcard only looks around; a command has one target
         payload, attachment = query.payload, query.attachment
         self.queue(
             Request(
@@ -338,10 +339,10 @@ class QueryServer(CommandQueue):
 
 
 class PendingQuery:
-    """A query under way; its answers arrive on Zenoh's thread. `attachment` passes on a stamp instead of our own.
+    """A query under way; its answers arrive on Zenoh's thread.
 
-    `proof` is the token by which we came in at a robot's door: it tells there who asks. `waited_s`: this long it waited
-    here. `origin`: who asked us for it.
+    `attachment` passes on a stamp instead of our own. `proof` is our token at a robot's door: it identifies the sender
+    there. `waited_s` is how long the query waited here, `origin` its original sender.
     """
 
     def __init__(
@@ -405,9 +406,8 @@ def ask(
 ) -> list[RawMessage]:
     """Query a key and wait for all answers; an empty list means that no answer came in time.
 
-    `sent_s` is when what is passed on was said first, so that it is not taken for fresher than it is, and
-    `waited_s` for how long it had waited by then, and `origin` who asked us for it; `attachment` passes on the stamp
-    itself.
+    `sent_s` is when a passed-on request was first sent, so that it keeps its age. `waited_s` is how long it had waited
+    by then, `origin` its original sender. `attachment` passes on the stamp itself.
     """
     payload = encode(message) if message is not None else b""
     stamp = attachment or stamps.make(source, 0, payload, seal, sent_s=sent_s, waited_s=waited_s, origin=origin)
@@ -434,7 +434,7 @@ def ask_all(
     timeout_s: float,
     attachment: bytes = b"",
 ) -> list[RawMessage]:
-    """Query several keys at once and return all answers that come in time; `attachment` instead of a stamp of ours."""
+    """Query several keys at once and return all answers that arrive in time; `attachment` replaces our own stamp."""
     woken = threading.Event()
     questions = [
         PendingQuery(session, key, payload, timeout_s=timeout_s, source=source, attachment=attachment, wake=woken.set)
@@ -450,8 +450,10 @@ def ask_all(
 def put(
     session: zenoh.Session, key: str, message: Any, *, source: str, urgent: bool = False, to_others: bool = False
 ) -> None:
-    """Publish once; `urgent` overtakes streams, `to_others` passes by this session's own subscriptions, which are
-    called within. BusError: it was not sent."""
+    """Publish once; raise BusError if it was not sent.
+
+    `urgent` overtakes streams. `to_others` skips this session's own subscriptions, which would be called at once.
+    """
     try:
         session.put(
             key,
@@ -468,7 +470,7 @@ def put(
 
 
 def forward(session: zenoh.Session, key: str, payload: bytes, attachment: bytes) -> None:
-    """Publish the bytes of another's message at once; lost rather than late."""
+    """Publish another's message as bytes, at once; it is lost rather than late."""
     session.put(
         key,
         payload,
@@ -481,12 +483,12 @@ def forward(session: zenoh.Session, key: str, payload: bytes, attachment: bytes)
 
 
 def alive(session: zenoh.Session, robot: str, name: str) -> zenoh.LivelinessToken:
-    """Show that a capability is there, until its session ends."""
+    """Show that a capability is present, until its session ends."""
     return session.liveliness().declare_token(keys.alive(robot, name))
 
 
 class Presence:
-    """The holders of liveliness tokens under a robot; a process's death is known within milliseconds."""
+    """The liveliness tokens of a robot; the death of a process is known within milliseconds."""
 
     def __init__(
         self, session: zenoh.Session, robot: str, changed: Callable[[str, bool], None] = lambda _name, _alive: None
@@ -509,7 +511,7 @@ class Presence:
 
 
 class ComputedReply:
-    """A key that answers every query with what `make` returns at that moment; `make` must be quick and thread-safe."""
+    """A key whose every query `make` answers at that moment; `make` must be quick and thread-safe."""
 
     def __init__(self, session: zenoh.Session, key: str, make: Callable[[], Any]) -> None:
         self._key = key
@@ -522,11 +524,11 @@ class ComputedReply:
 
 
 class StaticReply(ComputedReply):
-    """A key that answers every query with the same document, made when first asked for."""
+    """A key whose every query gets the same document, which is made for the first one."""
 
     def __init__(self, session: zenoh.Session, key: str, make: Callable[[], Any]) -> None:
         super().__init__(session, key, functools.cache(lambda: msgspec.Raw(encode(make()))))
 
     def close(self) -> None:
-        """Answer no more."""
+        """Stop answering."""
         self._queryable.undeclare()

@@ -1,6 +1,6 @@
 """A driver, operation or app: its kind, its settings and ports, and its life.
 
-A capability of your own needs no more than this package: `Kind` to declare it, `Capability` to subclass.
+Your own capability needs only this package: `Kind` to declare it, `Capability` to subclass.
 """
 
 from lbr.capability.base import Capability

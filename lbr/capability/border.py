@@ -1,4 +1,4 @@
-"""The border to code of others, and of a thread that goes on whatever its work raises."""
+"""The border to foreign code, and to the work of a thread that must survive any exception."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def border(failed: Callable[[Exception], Exception | None], *passing: type[Exception]) -> Iterator[None]:
-    """Give `failed` what is raised within, but for the types `passing`; what it returns is raised instead."""
+    """Pass exceptions raised within to `failed`, except the types `passing`; raise its result instead."""
     try:
         yield
     except passing:

@@ -1,4 +1,4 @@
-"""Commands as a capability sees them: decoded, attributed, and answered exactly once."""
+"""Commands as a capability sees them: decoded, with their sender, and answered exactly once."""
 
 from collections.abc import Callable
 from math import nan
@@ -20,10 +20,10 @@ UNSTAMPED = "a bus client"
 
 
 class BusCall:
-    """A command from the bus, query or `put`; refusals are told to `refused(source, reply)` as well.
+    """A command from the bus, a query or a `put`.
 
-    `away` says that the robot runs on another machine than this process: what it sends comes from there too.
-    `overtaken` knows the stops that came before; `answered` is told of the answer.
+    `refused(source, reply)` also receives refusals, and `answered` every answer. `away`: the robot runs on another
+    machine than this process, so its messages come from there. `overtaken` knows the earlier stops.
     """
 
     def __init__(
@@ -62,11 +62,11 @@ class BusCall:
 
     @property
     def origin(self) -> stamp.Origin:
-        """Return the original asker, and when it was typed or written."""
+        """Return the original sender, and when the command was typed or written."""
         return stamp.Origin(self.by or self.source, self.arrived - self.waited_s)
 
     def reply(self, answer: Struct, *, quiet: bool = False) -> None:
-        """Answer, once. A refusal is an event too, unless it is `quiet` and the sender waits for the answer."""
+        """Answer, once. A refusal is also an event, unless it is `quiet` and the sender waits for the answer."""
         self.open = False
         if getattr(answer, "accepted", True) is False and not getattr(answer, "code", "refused"):
             answer = replace(answer, code="refused")
@@ -78,12 +78,12 @@ class BusCall:
             answered(self, answer)
 
     def refuse(self, reason: str | Reason, code: Code = "refused") -> None:
-        """Answer that the command is not accepted, and why."""
+        """Refuse the command, with the reason."""
         self.reply(refused(reason if isinstance(reason, Reason) else Reason(code, reason)))
 
 
 class Answers:
-    """A question to several capabilities; complete once all have answered or run out of time."""
+    """A question to several capabilities; complete once all have answered or their time is over."""
 
     def __init__(self, questions: dict[str, Question], decoder: Decoder[Any]) -> None:
         self._questions = questions

@@ -1,4 +1,4 @@
-"""The allowed values of a type, for messages about a value that is not among them."""
+"""The allowed values of a type, for messages about a value that is not one of them."""
 
 import re
 from collections.abc import Iterator
@@ -10,8 +10,7 @@ _NO_CHOICE = re.compile(r"""Invalid enum value (['"])(.*?)\1(?= - at `|\Z)""")
 
 
 def with_choices(text: str, kind: object) -> str:
-    """Return msgspec's objection to a value, and the nearest of the type's choices at the place where it is not one of
-    them."""
+    """Return msgspec's objection to a value, with the type's nearest choices at that place."""
     match, names = _NO_CHOICE.search(text), tuple(_choices(kind))
     if match is None or not names:
         return text

@@ -1,4 +1,4 @@
-"""The one document a capability's process gets at start: settings, wiring, devices, rows."""
+"""The one document that a capability's process gets at its start: settings, wiring, devices, rows."""
 
 from typing import Any
 
@@ -14,7 +14,7 @@ NOTHING = Raw(b"null")
 
 
 class InputWire(Struct, frozen=True, kw_only=True):
-    """A stream that feeds a port: its key, who publishes it, and how much of it is wanted."""
+    """A stream that feeds a port: its key, its publisher, and how much of it is read."""
 
     key: str
     source: str
@@ -31,7 +31,7 @@ class OutputWire(Struct, frozen=True, kw_only=True):
 
 
 class DeviceConfig(Struct, frozen=True, kw_only=True):
-    """A device row, its address as the profile has it."""
+    """A device row, with the address from the profile."""
 
     name: str
     type: str
@@ -40,16 +40,16 @@ class DeviceConfig(Struct, frozen=True, kw_only=True):
 
 
 class ProcessConfig(Struct, frozen=True, kw_only=True):
-    """Everything a process needs to know; it reads nothing else.
+    """Everything that a process needs; it reads nothing else.
 
     `wiring` maps inputs and setpoints to the streams that feed them. `outputs` maps every output to its keys, and
-    `requests` maps requests to those asked and their keys. `simulated`: the robot's devices are emulated.
-    `release_key` proves that a release of the e-stop is the executive's. `rows` are those that its kind reads, by
-    table. `private` is a document between its kind and the executive alone. `host` is the other machine that it runs
-    on. `certificate` (PEM) is the only one that the robot's door may show there. Both are empty where the robot runs.
-    `source` is the text of the user's own file that declares its kind, as it was accepted. It is empty for a kind that
-    is installed, or whose file the host has. `process` names the process that it shares with others. It is empty if it
-    has its own. `reach` are the addresses of all devices of the capabilities in that process.
+    `requests` maps requests to their receivers and keys. `simulated`: the robot's devices are emulated. `release_key`
+    proves that a release of the e-stop is the executive's. `rows` are those that its kind reads, by table. `private` is
+    a document between its kind and the executive. `host` is the other machine on which it runs, and `certificate` (PEM)
+    the only one that the robot's door may present there. Both are empty on the robot's own machine. `source` is the
+    accepted text of the user's own file that declares its kind. It is empty for an installed kind, or if the host has
+    the file. `process` names the process that it shares with others. It is empty if it has its own. `reach` are the
+    addresses of all devices of the capabilities in that process.
     """
 
     robot: str
@@ -77,15 +77,16 @@ class ProcessConfig(Struct, frozen=True, kw_only=True):
 
     @property
     def places(self) -> tuple[str, ...]:
-        """The places that its process must reach: its home, and the devices of all capabilities in it."""
+        """Return the places that its process must reach: its home, and the devices of all capabilities in it."""
         return (self.home, *self.reach, *(device.address for device in self.devices))
 
 
 class Report(Struct, frozen=True, kw_only=True, omit_defaults=True):
     """A line from a process to its executive. A line without phase, counts and rows is a bare heartbeat.
 
-    `at` is when the loop went round, on this machine's monotonic clock. `number` is that of the order which started the capability. `code` classifies `reason`, by the list of codes.
-    `learnt` are rows to write down, by table. `thread` is the kernel's number of the thread that the loop runs in.
+    `at` is when the loop went round, on this machine's monotonic clock. `number` is that of the order that started the
+    capability. `code` classifies `reason`, by the list of codes. `learnt` are rows to store, by table. `thread` is the
+    kernel's number of the thread that the loop runs in.
     """
 
     number: int = 0
@@ -101,7 +102,7 @@ class Report(Struct, frozen=True, kw_only=True, omit_defaults=True):
 class Order(Struct, frozen=True, kw_only=True, omit_defaults=True):
     """A line to a process: `start` a capability, or end the one that was started with this number.
 
-    No number is used twice, so that a report about one start never counts for another.
+    No number is used twice, so that a report never counts for another start.
     """
 
     number: int

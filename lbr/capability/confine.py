@@ -1,6 +1,6 @@
-"""Confines a process before it does anything: Linux capabilities, new privileges, core dumps, files for others.
+"""Confines a process before it does anything: Linux capabilities, new privileges, core dumps, access to its files.
 
-Imports nothing of the project, so that a program's tether can use it too. To be called while there is one thread.
+Imports nothing of the project, so that a program's tether can use it, too. To be called while there is one thread.
 """
 
 import ctypes
@@ -17,16 +17,16 @@ OWNER_ONLY = 0o077
 
 
 def confine(places: Iterable[str] = ()) -> None:
-    """Give up all there is to give up; `places` are the files and directories that must stay within reach.
+    """Give up all rights; `places` are the files and directories that must stay accessible.
 
-    Root keeps the right to open the files of others (CAP_DAC_OVERRIDE, nothing else) if one of the places is theirs:
-    a home that is mounted into a container, a device that was given to another user.
+    Root keeps one right, to open the files of others (CAP_DAC_OVERRIDE), if another user owns one of the places. This
+    may be a home that is mounted into a container, or a device.
     """
     libc = ctypes.CDLL(None, use_errno=True)
     rights = {CAP_DAC_OVERRIDE} if needs_override(places) else set()
     for number in range(LAST_CAPABILITY + 1):
         if number not in rights:
-            libc.prctl(PR_CAPBSET_DROP, number, 0, 0, 0)  # refused to a process that has none anyway
+            libc.prctl(PR_CAPBSET_DROP, number, 0, 0, 0)  # a process without rights may not do this
     libc.prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0)
     _set_capabilities(libc, rights)
     _must(libc.prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0), "new privileges cannot be refused")
@@ -35,13 +35,13 @@ def confine(places: Iterable[str] = ()) -> None:
 
 
 def keep_private() -> None:
-    """Keep others from reading the files that this process makes, and its memory."""
+    """Keep others from reading this process's files and memory."""
     os.umask(OWNER_ONLY)
     ctypes.CDLL(None).prctl(PR_SET_DUMPABLE, 0, 0, 0, 0)
 
 
 def needs_override(places: Iterable[str]) -> bool:
-    """Return whether root, to reach all of these, must keep the right to open the files of others."""
+    """Return whether root must keep the right to open the files of others in order to reach all of these."""
     return os.geteuid() == 0 and any(Path(place).exists() and Path(place).stat().st_uid != 0 for place in places)
 
 

@@ -17,7 +17,7 @@ S_co = TypeVar("S_co", bound=Struct, covariant=True)
 
 
 class Received(Struct, frozen=True):
-    """A message with its stamp (None: the sender gave none), and when it was sent, or else came, on our clock."""
+    """A message with its stamp, if it has one, and when it was sent, otherwise when it arrived, on our clock."""
 
     message: Any
     stamp: Stamp | None
@@ -25,16 +25,17 @@ class Received(Struct, frozen=True):
     source: str
 
     def age_s(self, now: float) -> float:
-        """Seconds since then."""
+        """Return its age in seconds."""
         return now - self.arrived
 
 
 class Call(Protocol):
-    """A command waiting for its answer; a `put` is one too, that is not `answerable`.
+    """A command that waits for its answer; also a `put`, which is not `answerable`.
 
-    `arrived`: when it was sent, or else came, on our clock. `remote`: from another machine, where it was sent at
-    `sender_s` by that machine's monotonic clock (NaN: unknown). `waited_s`: for this long it had waited at its sender.
-    `by`: who asked its sender for it; empty where nobody did, and from another machine, where it would prove nothing.
+    `arrived`: when it was sent, otherwise when it arrived, on our clock. `remote`: it comes from another machine, which
+    sent it at `sender_s` by its own monotonic clock (NaN: unknown). `waited_s`: how long it had waited at its sender.
+    `by`: the original sender, for whom its sender acts; empty without one, and from another machine, where it would
+    prove nothing.
     """
 
     name: str
@@ -48,16 +49,16 @@ class Call(Protocol):
     answerable: bool
 
     def reply(self, answer: Struct, *, quiet: bool = False) -> None:
-        """Answer, once. A refusal is an event too, unless it is `quiet` and the sender waits for the answer."""
+        """Answer, once. A refusal is also an event, unless it is `quiet` and the sender waits for the answer."""
 
     def refuse(self, reason: str | Reason, code: Code = "refused") -> None:
-        """Answer `{"accepted": false, "reason": …, "code": …}`; a `Reason` brings its own code."""
+        """Answer `{"accepted": false, "reason": …, "code": …}`; a `Reason` has its own code."""
 
 
 class EmergencyStop(Protocol):
-    """The latch as this process knows it, straight from its own session; `by` pressed it last, or reset it.
+    """The latch as this process knows it, from its own session; `by` was the last to press or reset it.
 
-    A capability sets `follows` after a release: whether its next command would be obeyed.
+    After a release, a capability sets `follows`: whether it would accept the next command.
     """
 
     engaged: bool
@@ -66,18 +67,18 @@ class EmergencyStop(Protocol):
     follows: bool
 
     def acknowledge(self, *, stopped: bool, reason: str = "") -> None:
-        """Say whether the device has acknowledged the stop; cheap to repeat, published on change."""
+        """Report whether the device has acknowledged the stop; cheap to repeat, published on change."""
 
     def serve(self) -> None:
-        """Answer releases; the runtime's business."""
+        """Answer releases; only for the runtime."""
 
     def close(self) -> None:
-        """Leave the bus; the runtime's business."""
+        """Leave the bus; only for the runtime."""
 
 
 @dataclass(frozen=True, slots=True)
 class Device:
-    """A device row: where it is (`address`) and what its type may set. Its line gives its bytes to `tap`."""
+    """A device row: its address, and the settings of its type. Its line copies its bytes to `tap`."""
 
     name: str
     type: str
@@ -87,10 +88,10 @@ class Device:
 
 
 class Context(Protocol[S_co]):
-    """Everything a capability may do; implemented by the process that runs it.
+    """Everything that a capability may do; implemented by the process that runs it.
 
-    `on_tick` says that this step is one of the fixed rate, not a wake-up in between. `simulated`: no device is real.
-    A capability sets `live_lease`: commands that quote it are served before all others.
+    `on_tick`: this step belongs to the fixed rate, and is not a wake-up in between. `simulated`: all devices are
+    emulated. A capability sets `live_lease`: commands that quote it are served before all others.
     """
 
     robot: str
@@ -117,39 +118,39 @@ class Context(Protocol[S_co]):
         """Monotonic seconds."""
 
     def publish(self, output: str, message: Struct, *, taken_s: float | None = None) -> None:
-        """Publish on an output; it is also the answer to a later `get`. Never blocks, never raises on a dead bus.
+        """Publish on an output; the message also answers a later `get`. Never blocks, never raises without a bus.
 
-        `taken_s` is when a picture was taken, by the monotonic clock: its stamp bears that time.
-        TypeError: the message is of another type than the kind declares.
+        `taken_s` is when a picture was taken, by the monotonic clock; it becomes the time of the stamp. A message of
+        another type than the kind declares raises TypeError.
         """
 
     def forget(self, output: str) -> None:
-        """Answer no `get` any more with what was published there, until there is something new."""
+        """Stop answering `get` with the last message of an output, until there is a new one."""
 
     def watched(self, output: str) -> bool:
         """Return whether there is a subscriber of an output of pictures; `step` is called when that changes.
 
-        Of other outputs that is not known, and they count as watched.
+        For other outputs that is unknown, and they count as watched.
         """
 
     def wake(self) -> None:
-        """Have `step` called at once; from any thread, such as one that waits for a device."""
+        """Have `step` called at once; may be called from any thread, such as one that waits for a device."""
 
     def latest(self, port: str) -> Received | None:
         """Return the newest message of an input or setpoint, or None before the first.
 
-        Pictures are received for as long as they are read, by this or by `take`: the first call may wait 0.1 s for one,
-        and two seconds after the last one the camera may rest.
+        Pictures are received while they are read, by this or by `take`. The first call may wait 0.1 s for one; two
+        seconds after the last call, the camera may rest.
         """
 
     def take(self, port: str) -> list[Received]:
-        """Return what arrived on an input or setpoint since the last call, oldest first, as deep as its channel."""
+        """Return the messages of an input or setpoint since the last call, oldest first; its channel limits them."""
 
     def sources(self, port: str) -> tuple[str, ...]:
         """Return the names of the capabilities wired to an input or setpoint."""
 
     def alive(self, capability: str) -> bool:
-        """Return whether another capability's process is on the bus; its death is known within milliseconds."""
+        """Return whether another capability is present; the death of its process is known within milliseconds."""
 
     def targets(self, request: str) -> tuple[str, ...]:
         """Return the names of the capabilities wired to a request."""
@@ -159,7 +160,7 @@ class Context(Protocol[S_co]):
     ) -> PendingReply:
         """Ask every capability wired to a request, or `only` some of them; poll the result in later steps.
 
-        The loop wakes on answers. A request during a command bears the name and the date of that command's sender.
+        The loop wakes on answers. A request during a command carries the name and the date of that command's sender.
         """
 
     def event(
@@ -172,25 +173,22 @@ class Context(Protocol[S_co]):
         code: str = "",
         about: str = "",
     ) -> None:
-        """Publish on `@event`; the executive writes it down. `code` says why, `about` whose command or motion it
-        concerns."""
+        """Publish on `@event`; the executive stores it. `code` is of the reason, `about` names the command's sender."""
 
     def engage_estop(self, reason: str) -> None:
-        """Latch the emergency stop of everything that moves; each mover hears it directly, not through the
-        executive."""
+        """Latch the emergency stop of everything that moves; movers receive it directly, not through the executive."""
 
     def learn(self, *rows: Row) -> None:
-        """Have rows that the kind learns written down; `rows` has them at once, and it goes on without a restart."""
+        """Have learnt rows stored; `rows` has them at once, and the capability is not restarted for them."""
 
     def adopt(self, rows: Iterable[Row]) -> None:
-        """Go on with the rows of an edit that was accepted, as far as the kind reads them: `rows` has them at once.
+        """Use the rows of an accepted edit, as far as the kind reads them: `rows` has them at once.
 
-        The executive counts on it, and does not restart this capability for them.
+        The executive relies on it, and does not restart this capability for them.
         """
 
     def ready(self, reason: str = "") -> None:
-        """Say that this capability works; the runtime does so after the first `step`, unless that has warned."""
+        """Report that this capability works; the runtime does so after the first `step`, unless that has warned."""
 
     def warn(self, reason: str | Reason, code: Code = "failed") -> None:
-        """Say that it works, but not as it should: degraded, with the reason and its code; a `Reason` brings its
-        own."""
+        """Report that it works only partly: degraded, with the reason and its code; a `Reason` has its own."""

@@ -1,6 +1,6 @@
-"""Run a program that dies with the process that started it: `python -I -S die_with_parent.py PARENT_PID HOME ARGV…`.
+"""Runs a program that dies with the process that started it: `python -I -S die_with_parent.py PARENT_PID HOME ARGV…`.
 
-It costs about 10 ms and leaves no process behind: it becomes the program. With a HOME the program is confined.
+It takes about 10 ms, and then becomes the program itself. With a HOME the program is confined.
 """
 
 import ctypes
@@ -12,9 +12,9 @@ PR_SET_PDEATHSIG = 1
 
 
 def dying_with_parent(argv: tuple[str, ...], *, within: str = "") -> list[str]:
-    """Return the command line that runs `argv` for as long as this process lives, confined to what a home allows.
+    """Return the command line that runs `argv` for as long as this process lives, confined to the home `within`.
 
-    Without `within` it may do what this process may. To be started from a thread that lives as long as the process,
+    Without `within`, it has this process's rights. It must be started from a thread that lives as long as the process,
     because the kernel watches the thread.
     """
     return [sys.executable, "-I", "-S", os.path.abspath(__file__), str(os.getpid()), within, *argv]  # noqa: PTH100
@@ -29,13 +29,13 @@ def main() -> None:
     if home:
         _confine(home)
     signal.pthread_sigmask(signal.SIG_SETMASK, [])
-    for ignored in (signal.SIGPIPE, signal.SIGXFSZ):  # by Python, and the program would inherit that
+    for ignored in (signal.SIGPIPE, signal.SIGXFSZ):  # ignored by Python, which the program would inherit
         signal.signal(ignored, signal.SIG_DFL)
     try:
         os.execvp(argv[0], argv)  # noqa: S606 - no shell is the point
     except OSError as err:
         sys.stderr.write(f"{argv[0]}: {err.strerror}\n")
-        os._exit(127 if isinstance(err, (FileNotFoundError, NotADirectoryError)) else 126)  # as shells have it
+        os._exit(127 if isinstance(err, (FileNotFoundError, NotADirectoryError)) else 126)  # the exit codes of shells
 
 
 def _confine(home: str) -> None:

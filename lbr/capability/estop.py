@@ -15,7 +15,7 @@ from lbr.messages.leases import CommandReply, refused
 from lbr.messages.system import EstopAcknowledgement, EstopRelease, EstopRequest
 
 FOLLOWS_S = 0.3
-"""The patience of a release with movers that are not armed yet; a device may be missing."""
+"""The wait of a release for movers that are not armed yet; a device may be missing."""
 PRESSED_AGAIN = Reason("estop", "it was pressed again meanwhile")
 _decoder = Decoder(EstopRequest)
 _release_words = Decoder(EstopRelease)
@@ -24,9 +24,8 @@ _release_words = Decoder(EstopRelease)
 class EstopLatch:
     """Latches on anything that is not a well-formed "not engaged"; only the executive's sealed release unlatches it.
 
-    `by` is who pressed it last, or reset it. While it `follows` not, what moves would refuse the first command after a
-    release: that is answered once it does, or soon after.
-    `within_s` is how long the device may take to acknowledge.
+    `by` was the last to press or reset it. `follows` is whether the mover would accept a command after a release; the
+    answer to a release waits for that, for a short time. `within_s` is how long the device may take to acknowledge.
     """
 
     def __init__(self, config: ProcessConfig, wake: Callable[[], None], within_s: float, bus: Transport) -> None:
@@ -62,7 +61,7 @@ class EstopLatch:
             self._bus.put(self._ack_key, answer, source=self._name)
 
     def serve(self) -> None:
-        """Answer releases; called by the process's loop."""
+        """Answer releases; the process's loop calls it."""
         self._answer_releases()
         for request in self._release.take():
             with self._lock:
@@ -76,7 +75,7 @@ class EstopLatch:
                 self._released.append((request, self._bus.clock() + FOLLOWS_S))
 
     def _answer_releases(self) -> None:
-        """Answer those of the rounds before: by now it shows what would follow."""
+        """Answer the releases of earlier rounds: by now, `follows` is up to date."""
         while self._released and (self.engaged or self.follows or self._bus.clock() >= self._released[0][1]):
             request, _until = self._released.popleft()
             request.reply(refused(PRESSED_AGAIN) if self.engaged else CommandReply(accepted=True), self._name)
@@ -97,14 +96,14 @@ class EstopLatch:
         self._wake()
 
     def _why_not(self, request: wire.Request) -> Reason | None:
-        """Return why a release does not count: it must be the executive's, be new, and come after the last press."""
+        """Return why a release is invalid: it must be the executive's, be new, and come after the last press."""
         sent = stamp.read(request.attachment)
         if sent is None or not stamp.genuine(sent, request.payload, self._release_key):
             return Reason("denied", "only the executive releases")
         sent_ns = int(stamp.sent_s(sent, request.arrived) * 1e9)
         if not self._releases.newer(sent) or sent_ns <= max(self._released_ns, self._pressed_ns):
             return PRESSED_AGAIN
-        if self.engaged and not self._noticed:  # a stop is never too short to stop anything
+        if self.engaged and not self._noticed:  # a stop always lasts long enough to stop everything
             return Reason("not_ready", "it has not stopped yet")
         self._released_ns = sent_ns
         return None
@@ -131,7 +130,7 @@ def _released_by(payload: bytes) -> str:
 
 
 def _sent_ns(message: wire.RawMessage) -> int:
-    """Return when a press was made: one that was long on its way must not undo a release that came after it."""
+    """Return when a press was made: one that was long on its way must not undo a later release."""
     return int(stamp.sent_s(stamp.read(message.attachment), message.arrived) * 1e9)
 
 

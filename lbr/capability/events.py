@@ -1,5 +1,4 @@
-"""Limits how many events of a kind are told: a burst, then a steady trickle; what was left out is counted, never lost
-silently."""
+"""The rate limit of events: a burst of each kind, then a steady trickle; suppressed events are counted."""
 
 BURST = 20.0
 PER_S = 2.0
@@ -7,14 +6,14 @@ MOST_KINDS = 256
 
 
 class Throttle:
-    """A bucket of tokens for each kind of event. Pure: the caller says what time it is."""
+    """A token bucket for each kind of event. Pure: the time is an argument."""
 
     def __init__(self) -> None:
         self._buckets: dict[str, tuple[float, float]] = {}
         self._missed: dict[str, int] = {}
 
     def take(self, kind: str, now: float) -> bool:
-        """Return whether an event of this kind may be told now; if not, it is counted."""
+        """Return whether an event of this kind may be published now; count it if not."""
         room, since = self._buckets.get(kind, (BURST, now))
         room = min(BURST, room + (now - since) * PER_S)
         if len(self._buckets) > MOST_KINDS:
@@ -27,6 +26,6 @@ class Throttle:
         return False
 
     def missed(self) -> dict[str, int]:
-        """Return how many of each kind were not told since the last call."""
+        """Return the number of suppressed events of each kind since the last call."""
         missed, self._missed = self._missed, {}
         return missed

@@ -1,4 +1,4 @@
-"""Faults of a declared kind: first values that do not fit their fields, then fields that contradict each other."""
+"""Faults of a declared kind: values that do not fit their fields, then fields that contradict each other."""
 
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -21,19 +21,19 @@ PORTS = ("inputs", "setpoints", "outputs", "commands", "replies", "requests")
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 _ENTRY = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
 _SOUND = Kind(name="sound", summary="", family="app", entry="some:Class")
-"""Has the values that stand in for those that do not fit."""
+"""Supplies the substitutes for values that do not fit."""
 _PLAIN = {str: "a text", bool: "True or False", int: "a number", NoneType: "None", type: "a class", dict: "a dict"}
 
 
 def faults(kind: Kind) -> tuple[str, ...]:
-    """Return a sentence for each thing that a kind must not say, whatever types its fields have."""
+    """Return one sentence for each fault in a kind, whatever types its fields have."""
     misfits = dict(_misfits(kind))
     sound = replace(kind, **{name: getattr(_SOUND, name) for name, texts in misfits.items() if texts})
     return (*chain.from_iterable(misfits.values()), *_contradictions(sound))
 
 
 def _misfits(part: object) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Yield the fields of a part, each with a sentence for each value that does not fit its annotation."""
+    """Yield the fields of a part, each with one sentence for each value that does not fit its annotation."""
     for name, hint in get_type_hints(type(part)).items():
         yield name, tuple(_misfit(f"'{name}'", getattr(part, name), hint))
 
@@ -60,14 +60,14 @@ def _misfit(where: str, value: Any, hint: Any) -> Iterator[str]:
 
 
 def _fits(value: Any, origin: Any, options: tuple[Any, ...]) -> bool:
-    """Return whether a value fits an annotation, apart from the values in it."""
+    """Return whether a value fits an annotation, without its elements."""
     if origin is Literal:
         return isinstance(value, str) and value in options
     if origin is type:
         return isinstance(value, type) and all(issubclass(value, option) for option in options)
     if origin is Callable:
         return callable(value)
-    text = isinstance(value, str) and origin is Collection  # a text is a collection of its letters
+    text = isinstance(value, str) and origin is Collection  # a string is a collection of its letters
     return origin is Any or (isinstance(value, origin) and not text)
 
 
@@ -152,7 +152,7 @@ def _settings(kind: Kind) -> Iterator[str]:
 
 
 def _table(field: str, row: type[Row]) -> Iterator[str]:
-    """Yield why the row type in a field is not that of a table."""
+    """Yield why the row type in a field is no table's."""
     table, key, fault = getattr(row, "TABLE", None), getattr(row, "KEY", None), _unfit(row)
     if not fault and not (isinstance(table, str) and _NAME.fullmatch(table)):
         fault = f"its TABLE is {_brief(table)}, and must be the name of one"
@@ -164,16 +164,16 @@ def _table(field: str, row: type[Row]) -> Iterator[str]:
 
 
 def _unfit(message: type[Struct]) -> str:
-    """Return why a type cannot be written or read as JSON."""
+    """Return why a type cannot be encoded or decoded as JSON."""
     faults: list[Exception] = []
-    with border(faults.append):  # its annotations are evaluated here, and may be anything
+    with border(faults.append):  # its annotations are evaluated here, and may raise anything
         msgspec.json.schema(message)
         msgspec.json.Decoder(message)
     return "".join(map(told, faults))
 
 
 def _brief(value: object) -> str:
-    """Return a foreign value as one short line; its `repr` may be anything."""
+    """Return a foreign value as one short line; its `repr` may raise anything."""
     text = type(value).__name__
     with suppress(Exception):
         text = value.__name__ if isinstance(value, type) else repr(value)

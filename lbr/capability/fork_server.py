@@ -1,12 +1,13 @@
-"""Forks the processes of capabilities off an interpreter that has imported what all of them need.
+"""Forks the processes of capabilities from an interpreter that has imported their common modules.
 
     executive ── ForkOrder: words, environment, standard input, log, pipe of reports ──► fork server ── fork ──► process
               ◄── ForkReply: its number, by itself, once it leads its session ────────────────────────────────────┘
               ◄── ForkReply: how it ended; ForkOrder to release it: only then is its number free ──► fork server
 
-`python -P -m lbr.capability.fork_server FD ROOM`, where FD is a socket that keeps messages apart. There must be neither
-a thread nor a session of the bus before a fork. When the executive is gone this process ends; the forked have lifelines
-of their own. All of them lie at the same places in memory: knowing those of one process is knowing all.
+`python -P -m lbr.capability.fork_server FD ROOM`, where FD is a socket that separates messages. Before a fork, there
+must be neither a thread nor a session of the bus. When the executive is gone, this process ends; the forked ones have
+lifelines of their own. All of them have the same addresses in memory: an attacker who knows one process's layout knows
+all.
 """
 
 import ctypes
@@ -28,15 +29,15 @@ from lbr.capability.kind import KindError
 from lbr.capability.reporter import HEARTBEAT_VARIABLE
 
 LARGEST = 1 << 17
-"""Of a message, in bytes; less than the kernel takes at once."""
+"""Of a message, in bytes; less than the kernel accepts at once."""
 ROOM = 160
-"""For the words of those that are forked, in bytes: a robot's and a capability's name, and a home."""
+"""For the arguments of forked processes, in bytes: a robot's and a capability's name, and a home."""
 IGNORED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-"""It ends when the executive does, and not before."""
+"""It ends with the executive, and not before."""
 
 
 class ForkOrder(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """Fork a process with these words and this environment, or release the number of one that has ended."""
+    """An order to fork a process with these arguments and environment, or to release the number of an ended one."""
 
     words: tuple[str, ...] = ()
     environment: dict[str, str] = {}
@@ -44,8 +45,7 @@ class ForkOrder(Struct, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class ForkReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """All is imported (neither), a process is there (its number), or has ended (with its code); or what is in the
-    way."""
+    """All imports are done (no field), a process has started (its number) or ended (its code), or the trouble."""
 
     pid: int = 0
     code: int | None = None
@@ -62,7 +62,7 @@ class Server:
         self._running: dict[int, int] = {}
 
     def serve(self) -> None:
-        """Return when the executive is gone."""
+        """Serve, and return when the executive is gone."""
         self._say(ForkReply())
         while True:
             for fd, _ in self._poll.poll():
@@ -105,7 +105,7 @@ class Server:
 
 
 def become(order: ForkOrder, fds: list[int], link: socket.socket) -> None:
-    """Go on as the process that was ordered; never returns."""
+    """Continue as the ordered process; never returns."""
     try:
         os.setsid()
         for number in IGNORED:
@@ -128,8 +128,7 @@ def become(order: ForkOrder, fds: list[int], link: socket.socket) -> None:
 
 
 def wear(words: tuple[str, ...], mark: str) -> None:
-    """Show words and mark to `ps` and the reaper, as far as there is room; the kernel shows what stands where it put
-    the first ones."""
+    """Show arguments and mark to `ps` and the reaper, in the memory of the original ones, as far as it suffices."""
     with suppress(OSError, ValueError, IndexError):
         fields = Path("/proc/self/stat").read_bytes().rpartition(b")")[2].split()
         words_at, words_end, environment_at, environment_end = map(int, fields[45:49])
@@ -143,15 +142,15 @@ def wear(words: tuple[str, ...], mark: str) -> None:
 
 
 def prepare() -> None:
-    """Find out which packages bring components, and import what lbr's own declare as kinds: no kind's code."""
+    """Find the packages with components, and import the modules that lbr's own declare as kinds: no kind's code."""
     plugins.entries()
     for point in plugins.own("kinds"):
-        with suppress(KindError):  # told by the process that needs it
+        with suppress(KindError):  # reported by the process that needs it
             registry.declared(point)
 
 
 def main() -> None:
-    """Serve, with what was imported kept out of the way of every later collection."""
+    """Serve; later garbage collections skip the imported modules."""
     for number in IGNORED:
         signal.signal(number, signal.SIG_IGN)
     prepare()

@@ -1,4 +1,4 @@
-"""Kinds: what a capability row may name. Declared once per driver, operation or app; light to import."""
+"""Kinds, which capability rows name. Declared once per driver, operation or app; light to import."""
 
 import contextlib
 import importlib.util
@@ -28,20 +28,20 @@ R = TypeVar("R", bound=Row)
 
 
 class KindError(LbrError):
-    """A kind that does not exist or cannot be loaded; the text says why and what there is instead."""
+    """A kind that does not exist or cannot be loaded; the text has the reason and the alternatives."""
 
 
 class LackingError(KindError):
-    """A kind that is not there, where a component that may have it cannot be used."""
+    """A kind that is missing, where an unusable component may have it."""
 
 
 class NoSettings(Struct, frozen=True, forbid_unknown_fields=True):
-    """A row of this kind has nothing to set."""
+    """The settings of a kind that has none."""
 
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """The rows of a table that a kind reads: all of the robot, or those `where` a column equals a setting.
+    """The rows of a table that a kind reads: all of the robot's, or those `where` a column equals a setting.
 
     An empty column matches every setting. An empty setting matches every column. `learnt` rows may be written back.
     """
@@ -56,7 +56,7 @@ class OnDevice:
     """The device that a kind owns: its setting `device` names a device row of this `type`.
 
     `line` marks a serial line, whose address may be `usb:VID:PID` or `by-id:GLOB`. `polled` lines carry many questions
-    a second, so that the latency of an adapter matters. `emulated` is what a simulation has: a tty, a socket
+    a second, so the latency of an adapter matters. `emulated` is its form in a simulation: a tty, a socket
     (`unix:PATH`) or a folder. `recognised` names its handshakes for `lbr devices`, `module:HANDSHAKES` (see
     `lbr.capability.recognition`).
     """
@@ -71,13 +71,13 @@ class OnDevice:
 class Rights:
     """The rights of a kind beyond its wires.
 
-    `serves`: people move and stop the robot by it, so it ranks with what moves. `people`: it may receive every stream,
-    request every command and send console lines of each role. It is responsible for its users. `pairs`: it gives tokens
-    to phones. By its request `pair` it may show the executive the digits that a person read at the console. The words
-    `open` and `close` change its setting `host`. `lets_in`: its settings, or `enabled`, that decide about access. No
-    page changes them. `records`: it may receive every stream, event and status, and read the robot's description. It
+    `serves`: people move and stop the robot through it, so it ranks with the movers. `people`: it may receive every
+    stream, request every command and send console lines of each role. It is responsible for its users. `pairs`: it
+    gives tokens to phones. Its request `pair` sends the executive the digits that a person read at the console. The
+    words `open` and `close` change its setting `host`. `lets_in`: its settings, or `enabled`, that decide about access.
+    No page changes them. `records`: it may receive every stream, event and status, and read the robot's description. It
     runs when all others leave it time. `emulates`: a world that gets every device with a twin (see
-    `lbr.capability.twins`). `edits`: the tables whose rows it may have written by `executive.edit`, if wired to that.
+    `lbr.capability.twins`). `edits`: the tables whose rows it may edit by `executive.edit`, if wired to that.
     """
 
     serves: bool = False
@@ -91,7 +91,7 @@ class Rights:
 
 @dataclass(frozen=True, slots=True)
 class Needs:
-    """The package that a kind cannot run without, and the extra of lbr that installs it."""
+    """The package that a kind requires, and the extra of lbr that installs it."""
 
     package: str
     extra: str
@@ -124,10 +124,10 @@ Choices = Callable[[Known], Iterable[str]]
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A command with what else there is to say of it than its message.
+    """A command and its properties besides its message.
 
-    One that is `leased` is held: its sender repeats it under its lease. `choices` are what its fields may
-    be on this robot, to complete a line by. `role` is the least role of a sender on another machine.
+    A `leased` command is held: its sender repeats it under its lease. `choices` are the values of its fields on this
+    robot, for completion. `role` is the least role of a sender on another machine.
     """
 
     message: type[Struct]
@@ -137,23 +137,23 @@ class Command:
 
 
 def names(row: type[Row], column: str = "name") -> Choices:
-    """Return choices out of a column of rows."""
+    """Return choices from a column of rows."""
     return lambda known: {getattr(one, column) for one in known.rows(row)}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Kind:
-    """One kind of driver, operation or app: its settings, its ports and where its code is.
+    """One kind of driver, operation or app: its settings, its ports and the place of its code.
 
     `entry` names the class that runs (`module:Class`), imported only in its own process, or is that class. `inputs` are
     streams it reads. `setpoints` are streams sent to its own key, which only the wired source may write. `outputs` are
-    streams it publishes, `commands` what it answers, `requests` the commands that it sends to others. A command without
+    streams it publishes, `commands` those that it answers, `requests` those that it sends to others. A command without
     a type in `replies` is answered by a CommandReply. `optional` are the inputs that it can do without: they may be
     unfed. `wires` are the inputs and requests that need no channel row. `words` are added to the console of every robot
-    with a capability of this kind. `says` is its setting with console lines, by name, each of which its robot must
-    understand. `moves` marks a path to a motor. Such a kind gets the emergency stop on a session of its own. It
-    is stopped first. `rows` are the tables whose rows it gets. A kind with a command `rows`, a `RowsChanged`, receives
-    edits by that, and is restarted only if it refuses.
+    with a capability of this kind. `says` names its setting with console lines, each of which its robot must know.
+    `moves` marks a path to a motor. Such a kind gets the emergency stop on a session of its own. It is stopped first.
+    `rows` are the tables whose rows it gets. A kind with a command `rows` (`RowsChanged`) receives edits by it, and is
+    restarted only if it refuses.
     """
 
     name: str
@@ -179,31 +179,31 @@ class Kind:
 
     @property
     def messages(self) -> dict[str, type[Struct]]:
-        """The message of each command."""
+        """Return the message type of each command."""
         return {name: self.command(name).message for name in self.commands}
 
     @property
     def device_type(self) -> str:
-        """The type of its device row; empty without a device."""
+        """Return the type of its device row; empty without a device."""
         return self.device.type if self.device is not None else ""
 
     @property
     def reads(self) -> tuple[Rows, ...]:
-        """The tables whose rows it gets."""
+        """Return the tables whose rows it gets."""
         return tuple(one if isinstance(one, Rows) else Rows(one) for one in self.rows)
 
     @property
     def learns(self) -> tuple[type[Row], ...]:
-        """The tables whose rows it may write back."""
+        """Return the tables whose rows it may write back."""
         return tuple(one.row for one in self.reads if one.learnt)
 
     @property
     def follows(self) -> bool:
-        """True if it receives edits of its rows, and is not restarted for them."""
+        """Return whether it receives edits of its rows, and is not restarted for them."""
         return self.messages.get("rows") is RowsChanged
 
     def command(self, name: str) -> Command:
-        """Return what there is to say of a command."""
+        """Return a command with its properties."""
         found = self.commands[name]
         return found if isinstance(found, Command) else Command(found)
 
@@ -212,14 +212,14 @@ class Kind:
         return "view" if command == STOP else self.command(command).role
 
     def schema(self, name: str, message: type[Struct]) -> dict[str, Any]:
-        """Return the JSON Schema of a message of its, and for a command the role it needs of a sender elsewhere."""
+        """Return the JSON Schema of a message; for a command, with the least role of a sender on another machine."""
         if message is JpegFrame:
             return {"title": message.__name__, "description": message.__doc__, "contentMediaType": "image/jpeg"}
         found = msgspec.json.schema(message)
         return found | {"x-role": self.role(name)} if name in self.commands else found
 
     def lacks(self) -> str:
-        """Return what has to be installed before it can run at all, and how; empty if nothing has."""
+        """Return what must be installed before it can run, and how; empty if nothing is missing."""
         if self.needs is None:
             return ""
         with contextlib.suppress(ImportError, ValueError):
@@ -232,7 +232,7 @@ class Kind:
         return decoded(settings, self.settings)
 
     def load(self) -> type:
-        """Import and return the class that runs; KindError names the kind, its entry, and the line that is wrong."""
+        """Import and return the class that runs; raise KindError with the kind, its entry, and the faulty line."""
         if isinstance(self.entry, type):
             return self.entry
         entry = f"kind '{self.name}': its entry {self.entry}"

@@ -1,4 +1,4 @@
-"""The exit of a process: within a bound that the kernel keeps, and with the reason reported."""
+"""The exit of a process: within a bound that the kernel enforces, and with its reason reported."""
 
 import re
 import signal
@@ -9,18 +9,18 @@ from pathlib import Path
 
 CRASHED = 70
 RUNTIME = re.compile(r"/lbr/(?:capability/|plugins\.py\Z)|^<frozen |/importlib/__init__\.py\Z")
-"""Files whose lines say nothing of what went wrong in another's."""
+"""Files whose lines do not explain a fault in somebody else's file."""
 CLOSE_LIMIT_S = 0.5
 
 
 def within(seconds: float) -> None:
-    """Let the kernel end this process then, whatever hangs in it, and whichever thread holds the interpreter."""
+    """Let the kernel end this process after that time, whatever hangs, and whichever thread holds the interpreter."""
     signal.setitimer(signal.ITIMER_REAL, seconds)
 
 
 def text(err: BaseException) -> str:
-    """Say what was raised, and in which line of whose file: the last that is not the runtime's own."""
-    with suppress(Exception):  # that cannot even be told
+    """Return an exception as text, with its file and line: the last one outside the runtime."""
+    with suppress(Exception):  # not even its text can be had
         frames = traceback.extract_tb(err.__traceback__)
         last = next((frame for frame in reversed(frames) if not RUNTIME.search(frame.filename)), None)
         where = f" ({Path(last.filename).name}, line {last.lineno})" if last else ""
@@ -29,6 +29,6 @@ def text(err: BaseException) -> str:
 
 
 def trace(err: BaseException) -> None:
-    """Write down where it was raised."""
+    """Log where it was raised."""
     traceback.print_exception(err)
     sys.stderr.flush()

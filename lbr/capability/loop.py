@@ -28,9 +28,9 @@ TELL_DEGRADED_S = 0.5
 TELL_MISSED_S = 1.0
 COLLECT_S = 10.0
 BEGINS_S = 60.0
-"""So long a process begins, on a slow computer that imports much."""
+"""The time for a start, on a slow computer that imports many modules."""
 EARLY_S = 1e-9
-"""Periods are added up: what is due at the end of a sum is due then."""
+"""Sums of periods have rounding errors: a step may come this early."""
 _finding = threading.Lock()
 
 
@@ -57,20 +57,20 @@ class Wake:
 
 
 class Garbage:
-    """Collects what a process has left over; its loops say when."""
+    """Collects a process's garbage, at times that its loops choose."""
 
     def __init__(self) -> None:
         self._freeze_until = time.monotonic() + BEGINS_S
         self._collect_at = 0.0
 
     def wait_for_us(self) -> None:
-        """Collect at moments of a loop's choice only, so that no round takes longer than the others."""
+        """Collect only at times that a loop chooses, so that no round takes longer than the others."""
         gc.disable()
 
     def settle(self) -> None:
-        """Once all is there that a loop needs, let no later collection look again at what lives as long as the process.
+        """Exclude all present objects from later collections; called once a loop has all that it needs.
 
-        Objects of a loop that begins later may end sooner, and are collected like all else.
+        Only in the first minute of a process: the objects of later loops may end before it.
         """
         now = time.monotonic()
         self._collect_at = now + COLLECT_S
@@ -79,16 +79,16 @@ class Garbage:
             gc.freeze()
 
     def collect(self, now: float) -> None:
-        """Collect, if it is time; to be called where nothing else is due for a while."""
+        """Collect if it is time; to be called when nothing else is due for a while."""
         if now >= self._collect_at:
             self._collect_at = now + COLLECT_S
             gc.collect()
 
 
 class Loop:
-    """Runs in one thread; `stop` and `close` may come from another.
+    """Runs in one thread; another may call `stop` and `close`.
 
-    A transport with a clock of its own is stepped by its owner: `begin`, `step` whenever it is due or woken, `end`.
+    If the transport has a clock of its own, its owner calls `begin`, `step` whenever it is due or woken, and `end`.
     """
 
     def __init__(
@@ -118,7 +118,7 @@ class Loop:
         self._retry_s, self._lost = RETRY_FIRST_S, Reason("failed", "")
 
     def stop(self) -> None:
-        """Ask the loop to end; from any thread or a signal handler."""
+        """Ask the loop to end; may be called from any thread or signal handler."""
         self._stopping = True
         self._wake.set()
 
@@ -131,7 +131,7 @@ class Loop:
         self.end()
 
     def begin(self) -> ProcessContext:
-        """Have the capability on its bus, and not open yet."""
+        """Connect the capability to its bus, without opening it."""
         kind, make = self._find()
         streams = self._woken if getattr(make, "woken_by_streams", True) else None
         seldom = getattr(make, "received_while_read", frozenset[str]())
@@ -153,16 +153,16 @@ class Loop:
 
     @property
     def capability(self) -> Capability[Any] | None:
-        """The capabilities that run here; before it has begun, empty."""
+        """Return the capability that runs here; None before it has begun."""
         return self._capability
 
     @property
     def began(self) -> bool:
-        """The capability runs: before that it could do nothing."""
+        """Return whether the capability runs: before that it could do nothing."""
         return self._capability is not None
 
     def _find(self) -> tuple[Kind, type]:
-        """Return the kind and its class; of several loops of a process one after the other imports what they need."""
+        """Return the kind and its class; the loops of a process import their modules one after the other."""
         while not _finding.acquire(timeout=BEAT_S):
             self._reporter.beat({})
         try:
@@ -172,12 +172,12 @@ class Loop:
             _finding.release()
 
     def close(self) -> None:
-        """Stop the motion of a capability that crashed; the caller sets a bound."""
+        """Stop the motion of a capability that crashed; the caller bounds the time."""
         if self._capability is not None:
             self._capability.close()
 
     def step(self) -> float:
-        """Do a round, open, or wait for a device that is away; return when the next is due."""
+        """Do a round, open, or wait for a missing device; return when the next step is due."""
         ctx, capability = self._ctx, self._capability
         assert capability is not None
         if ctx.clock() < self._retry_at:
@@ -217,10 +217,10 @@ class Loop:
         if self._begins and capability.answers():
             lacks, own = capability.lacks(), self._reporter.reported is not self._reported
             self._begins = lacks is not None
-            if not own:  # what it has reported itself stands
+            if not own:  # its own reports have priority
                 ctx.warn(lacks) if lacks else ctx.ready()
                 self._reported = self._reporter.reported
-        self._due = min(self._due, now + 1.0 / capability.rate_hz)  # its rate may have risen, as it began something
+        self._due = min(self._due, now + 1.0 / capability.rate_hz)  # its rate may have risen because it began something
         return self._due
 
     def _round(self, ctx: ProcessContext, capability: Capability[Any]) -> None:
@@ -236,7 +236,7 @@ class Loop:
 
     @staticmethod
     def _command(capability: Capability[Any], call: BusCall) -> None:
-        """Have a command answered; what is raised ends this process, or its device's session, and is the answer."""
+        """Have a command answered. An exception becomes the answer, and ends this process, or its device's session."""
         try:
             capability.command(call)
         except Exception as err:

@@ -1,7 +1,7 @@
-"""Dates what comes from another machine by that machine's own stops: what it said before one came before it. Pure.
+"""Dates messages from another machine by its own stops: a command sent before a stop counts as earlier. Pure.
 
-Clocks of two machines are never compared, so a message from another machine counts from when it arrives. A stop is
-quicker than what waits at the door, and would be older than a command that it has overtaken.
+Clocks of two machines are never compared, so a message from another machine counts from its arrival. A stop overtakes
+messages that wait at the door, and would then be older than a command sent before it.
 """
 
 from math import isfinite
@@ -10,8 +10,7 @@ from lbr.bus import stamp
 from lbr.messages.system import Stamp
 
 REMEMBERED_S = 30.0
-"""Messages that the door holds up come sooner. A stop with a false date keeps its machine from beginning anything for
-as long."""
+"""Longer than the door delays any message. For as long, a stop with a false date blocks its machine's commands."""
 MOST_MACHINES = 64
 
 
@@ -33,7 +32,7 @@ class Overtaken:
             self._stops.pop(next(iter(self._stops)))
 
     def dated(self, found: Stamp | None, arrived: float) -> float:
-        """Return when a command was sent at the latest, by our clock: no later than a stop that it was sent before."""
+        """Return the latest time by our clock at which a command was sent: not after a stop that followed it."""
         stop = self._stops.get(found.boot) if found is not None and _elsewhere(found) else None
         if found is None or stop is None or arrived - stop[1] > REMEMBERED_S or found.mono_ns / 1e9 > stop[0]:
             return arrived

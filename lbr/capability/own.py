@@ -1,7 +1,7 @@
-"""A capability file of the user's own: tried in a process of its own first, because importing it runs what is in it.
+"""A user's own capability file: it is tried in a separate process first, because importing it runs its code.
 
-`python -m lbr.capability.own` is that process. Only a file that was imported there in time, and whose kind is whole, is
-imported by a program that has more to do.
+`python -m lbr.capability.own` is that process. A robot's own programs import only files that were imported there in
+time, with a complete kind.
 """
 
 import ast
@@ -27,15 +27,14 @@ from lbr.capability.kind import Kind, KindError
 from lbr.errors import told
 
 LIMIT_S = 5.0
-"""Importing lbr with numpy takes a Raspberry Pi 4 about two; what takes longer belongs into `open`, or behind
-`entry`."""
+"""Importing lbr with numpy takes a Raspberry Pi 4 about two; longer work belongs into `open`, or behind `entry`."""
 START_S = 20.0
-"""The time that the trial's own interpreter may take on a busy machine before and after that."""
+"""The time for the trial's own interpreter before and after that, on a busy machine."""
 GOOD = b"good"
 
 
 def find(name: str, path: Path) -> Kind:
-    """Return the kind of a file that passed its trial; KindError says why not, with file and line. Takes a while."""
+    """Return the kind of a file that passed its trial, after a while; raise KindError with reason, file and line."""
     if fault := trial(name, path):
         raise KindError(fault)
     kind, err = plugins.tried_aside(partial(load, name, path))
@@ -46,7 +45,7 @@ def find(name: str, path: Path) -> Kind:
 
 
 def trial(name: str, path: Path) -> str:
-    """Return why a file cannot be used, or nothing, having imported it in a process that may hang, print and exit."""
+    """Import a file in a process that may hang, print and exit; return why the file is unusable, or an empty text."""
     report = os.memfd_create(f"trial of {name}")
     try:
         popen = subprocess.Popen(
@@ -76,10 +75,7 @@ def trial(name: str, path: Path) -> str:
 
 
 def load(name: str, path: Path, source: str = "") -> Kind:
-    """Import a file, or the text of it that was accepted, and return its kind; KindError names file and line.
-
-    The code in the file runs here and now.
-    """
+    """Import a file, or its accepted text, by running its code, and return its kind; KindError names file and line."""
     module_name = _module_name(name)
     loader = _FromSource(module_name, str(path))
     loader.text = source
@@ -91,13 +87,13 @@ def load(name: str, path: Path, source: str = "") -> Kind:
     try:
         try:
             loader.exec_module(module)
-        except KeyboardInterrupt:  # a person's Ctrl-C is no fault of the file
+        except KeyboardInterrupt:  # a person's Ctrl-C is not the file's fault
             raise
-        except BaseException as err:  # a file may raise anything, and is told of what it raised
+        except BaseException as err:  # a file may raise anything; the trial reports it
             raise _unloaded(path, err) from err
         return _whole(name, path, module)
     except (KindError, KeyboardInterrupt):
-        if before is not None:  # what runs goes on to look its types up there
+        if before is not None:  # running code still finds its types there
             sys.modules[module_name] = before
         else:
             sys.modules.pop(module_name, None)
@@ -105,7 +101,7 @@ def load(name: str, path: Path, source: str = "") -> Kind:
 
 
 def source(name: str) -> str:
-    """Return the text of the file that was imported last as the kind of that name; empty if none was imported."""
+    """Return the text of the file last imported as the kind of that name; empty without one."""
     loader = getattr(sys.modules.get(_module_name(name)), "__loader__", None)
     return loader.text if isinstance(loader, _FromSource) else ""
 
@@ -115,8 +111,7 @@ def _module_name(name: str) -> str:
 
 
 class _FromSource(SourceFileLoader):
-    """Reads the file itself: a compiled copy beside it could be older, or another user's. `text` is what it
-    compiled."""
+    """Reads and compiles the file itself: a compiled copy could be older, or another user's. `text` is the source."""
 
     text = ""
 
@@ -126,7 +121,7 @@ class _FromSource(SourceFileLoader):
 
 
 def _whole(name: str, path: Path, module: object) -> Kind:
-    """Return the kind that a module declares, if nothing is wrong with it."""
+    """Return the kind that a module declares, if it is faultless."""
     kind = getattr(module, "KIND", None)
     place = _place(path, _line_of_kind(path))
     if not isinstance(kind, Kind):
@@ -153,7 +148,7 @@ def _line_of_kind(path: Path) -> int | None:
 
 
 def _line(err: BaseException, path: Path) -> int | None:
-    """Return the line of the file in which it went wrong."""
+    """Return the line of the file in which the error occurred."""
     if isinstance(err, SyntaxError) and err.filename == str(path):
         return err.lineno
     frames = traceback.extract_tb(err.__traceback__)
@@ -170,7 +165,7 @@ def _too_slow(path: Path, line: int | None) -> str:
 
 
 def _end_of(popen: "subprocess.Popen[bytes]") -> int | None:
-    """Return how a trial ended, with all that it started; None if it had to be ended."""
+    """Return the exit code of a trial, and end all that it started; None if the trial had to be ended itself."""
     ended = select.poll()
     pid_fd = os.pidfd_open(popen.pid)
     try:
@@ -185,7 +180,7 @@ def _end_of(popen: "subprocess.Popen[bytes]") -> int | None:
 
 
 def main() -> None:
-    """Try one file, and say what came of it in the file that was handed down."""
+    """Try one file, and write the result to the inherited descriptor."""
     name, path, report, limit_s = sys.argv[1], Path(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4])
     os.set_inheritable(report, False)
     faulthandler.dump_traceback_later(limit_s, exit=True, file=report)
@@ -194,7 +189,7 @@ def main() -> None:
         text = GOOD
     except KindError as err:
         text = f"fault\n{err}".encode(errors="replace")
-    except KeyboardInterrupt as err:  # no terminal's: this process has none, so the file raised it
+    except KeyboardInterrupt as err:  # not a terminal's, as this process has none: the file raised it
         text = f"fault\n{_unloaded(path, err)}".encode(errors="replace")
     faulthandler.cancel_dump_traceback_later()
     os.write(report, text)

@@ -1,4 +1,4 @@
-"""A picture becomes a file below `$LBR_HOME/pictures`."""
+"""Saves pictures as files in `$LBR_HOME/pictures`."""
 
 import os
 import re
@@ -15,7 +15,7 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}")
 
 
 def save(home: str, name: str, picture: bytes) -> Path:
-    """Write a new file and return it; InputError says in words why that cannot be."""
+    """Write a new file and return it; raise InputError with the reason."""
     if _NAME.fullmatch(name) is None:
         raise InputError("a picture's name has letters, digits, - and _, and begins with a letter or digit")
     path = Path(home) / "pictures" / f"{name}.jpg"
@@ -25,7 +25,7 @@ def save(home: str, name: str, picture: bytes) -> Path:
             raise InputError(f"the disk is almost full; make room in {path.parent}")
         fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
         with ExitStack() as failed:
-            failed.callback(path.unlink)  # half a picture is none, and would keep its name from the next try
+            failed.callback(path.unlink)  # an incomplete picture is useless, and would block its name
             with os.fdopen(fd, "wb") as file:
                 file.write(picture)
             failed.pop_all()
@@ -37,17 +37,17 @@ def save(home: str, name: str, picture: bytes) -> Path:
 
 
 def save_now(home: str, camera: str, picture: bytes) -> Path:
-    """Write a new file named after camera and time, and return it; InputError says in words why that cannot be."""
+    """Write a new file named after camera and time, and return it; raise InputError with the reason."""
     return save(home, free(Path(home) / "pictures" / f"{name_now(camera)}.jpg").stem, picture)
 
 
 def name_now(of: str) -> str:
-    """Return a name made of what it is a picture of, and the time down to milliseconds."""
+    """Return a name made of the picture's subject, and the time down to milliseconds."""
     now = time.time()
     return f"{of}-{time.strftime('%Y%m%d-%H%M%S', time.localtime(now))}-{int(now * 1000) % 1000:03d}"
 
 
 def free(path: Path) -> Path:
-    """Return the path, with a number behind its name if there is a file already."""
+    """Return the path, with a number appended to its name if the file exists already."""
     stem = first_free(path.stem, lambda name: os.path.lexists(path.with_stem(name)), "-")
     return path.with_stem(stem)

@@ -6,9 +6,9 @@ An order starts a capability, or ends one. Most processes get only one capabilit
 lifeline: when it closes, the executive has ended. Then the process stops its motion and ends, even after a freeze.
 
 Capabilities of one process share the interpreter, the session on the bus and its rights there. Each ends when asked to,
-without the others. A failure ends all of them, because the state of the process is unknown then. A capability that does
-not even begin has done nothing, and ends alone. Every exit except a requested stop is `os._exit(70)`. A thread of the
-bus library would keep the process alive after Python's end.
+without the others. A failure ends all of them, because the state of the process is unknown then. A capability that
+fails before it begins has done nothing, and ends alone. Every exit except a requested stop is `os._exit(70)`: a thread
+of the bus library would keep the process alive after Python's end.
 """
 
 import contextlib
@@ -32,9 +32,10 @@ from lbr.capability.reporter import HEARTBEAT_VARIABLE, Phase, Reporter
 PART_OF_CLOSING = 0.8
 """The share of the time to leave in which the other loops may end in order."""
 SWITCH_S = 0.0005
-"""A waiting loop gets the interpreter after this time. Python's own 5 ms is as long as a whole command.
+"""A waiting loop gets the interpreter after this time. Python's default, 5 ms, is as long as a whole command.
 
-The slowest of a hundred commands reached the motors after 5 ms instead of 8, the usual one no later."""
+The slowest of a hundred commands reached the motors after 5 ms instead of 8, the usual one no later.
+"""
 
 
 class Member:
@@ -91,7 +92,7 @@ class ProcessHost:
                 member.loop.stop()
             leaving.trace(err)
             if of is not None:
-                with contextlib.suppress(Exception):  # its failure is reported already, and the others are still to end
+                with contextlib.suppress(Exception):  # its failure is reported already, and the others must still end
                     of.loop.close()
             until = time.monotonic() + PART_OF_CLOSING * leaving.CLOSE_LIMIT_S
             for member in members:
@@ -109,7 +110,7 @@ class ProcessHost:
             sys.setswitchinterval(SWITCH_S)
         try:
             member.thread.start()
-        except RuntimeError as err:  # this machine gives no more threads now
+        except RuntimeError as err:  # this machine starts no more threads now
             self._remove(member, _not_begun(err))
 
     def _run(self, member: Member) -> None:
@@ -122,7 +123,7 @@ class ProcessHost:
             ended: Phase = _not_begun(err)
         else:
             ended = "ended", "", ""
-        if not self._crashing.locked():  # in a crash only its cause is reported
+        if not self._crashing.locked():  # in a crash, only its cause is reported
             self._remove(member, ended)
 
     def _remove(self, member: Member, ended: Phase) -> None:
@@ -157,7 +158,7 @@ def _heed(host: ProcessHost) -> None:
         host.stop()
 
     signal.signal(signal.SIGTERM, stop)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole terminal; the executive decides
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all processes of the terminal; the executive decides
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
 
 

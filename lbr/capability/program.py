@@ -9,7 +9,7 @@ from lbr.capability.kind import Kind
 Word = Annotated[str, Meta(min_length=1, max_length=4096, pattern="^[^\\x00]*$(?!\\n)")]
 Variable = Annotated[str, Meta(pattern="^[A-Za-z_][A-Za-z0-9_]*$(?!\\n)", max_length=100)]
 Port = Annotated[str, Meta(pattern="^[a-z][a-z0-9_]*$(?!\\n)", max_length=40)]
-"""A dollar sign by itself would have a line break after it pass, and into a key of the bus."""
+"""Without the lookahead, the pattern would accept a line break at the end, which would get into a key of the bus."""
 
 
 class ProgramSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -15,15 +15,16 @@ from lbr.capability.kind import Kind, KindError
 from lbr.errors import told
 
 Read = Callable[[int, int], bytes]
-"""Reads so many bytes from a register on: `read(register, count)`; OSError if nothing answers."""
+"""Reads bytes from a register on: `read(register, count)`; raises OSError if no device answers."""
 MOST_QUESTIONS = 64
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Seen:
-    """The answering device: in words, its own serial number if it reports one, and the settings of its capability row.
+    """The answering device: its description, its serial number if it reports one, and the settings of its capability
+    row.
 
-    `needs` are the rows, by table, that its driver reads besides, to be there if they are not; each has a `name`.
+    `needs` are further rows of its driver, by table, to be added if they are missing; each has a `name`.
     """
 
     what: str
@@ -34,13 +35,10 @@ class Seen:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SerialHandshake:
-    """A device on a serial line. `questions` must be harmless, also for devices of other makes; none: it talks by
-    itself.
-
-    `seen` gets all that was heard since the first question, and returns what it is; None while that is not known. After
-    each question `gap_s` pass, after the last one `listen_s`. `whole`: all questions are asked, whatever was heard.
-    `leave` is written once it was recognised, to have it as it was before.
-    """
+    """A device on a serial line. `questions` must be harmless, even for devices of other makes; without questions, the
+    device sends by itself. `seen` gets all bytes received since the first question, and returns the device; None while
+    it is unknown. It waits `gap_s` after each question, and `listen_s` after the last one. `whole`: all questions are
+    asked, whatever the answers. `leave` is written once the device is recognised, to restore its state."""
 
     baud: int
     seen: Callable[[bytes], Seen | None]
@@ -53,8 +51,7 @@ class SerialHandshake:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class I2cHandshake:
-    """A device on an i2c bus, at one of some addresses; `seen` gets what reads its registers, and nothing that
-    writes."""
+    """A device on an i2c bus, at one of several addresses; `seen` gets a function that only reads its registers."""
 
     addresses: tuple[int, ...]
     seen: Callable[[Read], Seen | None]
@@ -62,8 +59,7 @@ class I2cHandshake:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class NameHandshake:
-    """A device that the kernel has a name for: a camera (`video`), receiver (`lirc`) or `gamepad`. `seen` gets that
-    name."""
+    """A device with a name in the kernel: a camera (`video`), receiver (`lirc`) or `gamepad`. `seen` gets that name."""
 
     place: Literal["video", "lirc", "gamepad"]
     seen: Callable[[str], Seen | None]
@@ -73,7 +69,7 @@ Handshake = SerialHandshake | I2cHandshake | NameHandshake
 
 
 def handshakes(kind: Kind) -> tuple[Handshake, ...]:
-    """Return how a kind recognises its device, none if it does not say; KindError if what it says cannot be used."""
+    """Return a kind's handshakes, empty if it has none; raise KindError if they are unusable."""
     if kind.device is None or not kind.device.recognised:
         return ()
     named = kind.device.recognised
@@ -89,7 +85,7 @@ def handshakes(kind: Kind) -> tuple[Handshake, ...]:
 
 
 def _fault(shake: Handshake) -> str:
-    """Return what a handshake says that cannot be: whoever wrote it may check no types."""
+    """Return the fault in a handshake, whose author may not check types; empty if it has none."""
     seen: object = shake.seen
     if not callable(seen):
         return f"'seen' is {seen!r}, and is to be a function"

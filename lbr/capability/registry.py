@@ -1,5 +1,4 @@
-"""Finds the kinds that there are: those of installed components, and the user's own files in
-`$LBR_HOME/capabilities`."""
+"""Finds all kinds: those of installed components, and the user's own files in `$LBR_HOME/capabilities`."""
 
 import contextlib
 import re
@@ -18,7 +17,7 @@ _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
 
 def user_directory(home: Path) -> Path:
-    """Return where users drop capability files of their own."""
+    """Return the directory of the users' own capability files."""
     return home / "capabilities"
 
 
@@ -29,10 +28,10 @@ def names(home: Path) -> list[str]:
 
 
 def find(name: str, home: Path, *, trial: bool = True) -> Kind:
-    """Return the kind of that name; raise KindError if it is missing, broken or not whole.
+    """Return the kind of that name; raise KindError if it is missing, broken or incomplete.
 
-    A file of the user's own is imported elsewhere first, which takes a second, unless `trial` is off: then whatever is
-    in it happens here. One that was good is not looked at again until it changes.
+    A user's own file is tried in a separate process first, which takes a second. Without `trial`, it is imported only
+    here. A good file is not tried again until it changes.
     """
     if not _NAME.fullmatch(name):
         raise KindError(f"'{name}' is not a kind's name: kinds are words like 'drive', not paths or code")
@@ -54,8 +53,7 @@ def find(name: str, home: Path, *, trial: bool = True) -> Kind:
 
 
 def accepted(name: str, home: Path, source: str) -> Kind:
-    """Return the kind of a robot that runs: of a file of the user's own by the text that was accepted, whatever it
-    holds now."""
+    """Return the kind of a running robot: of a user's own file, by its accepted text, not by its present one."""
     if not source:
         return find(name, home, trial=False)
     from lbr.capability import own  # noqa: PLC0415 - most processes have no use for it
@@ -64,28 +62,28 @@ def accepted(name: str, home: Path, source: str) -> Kind:
 
 
 def source(name: str) -> str:
-    """Return the text of the user's own file of which the kind was found last; empty for an installed one."""
+    """Return the text of the user's own file from which the kind was loaded last; empty for an installed one."""
     return _texts.get(name, "")
 
 
 @cache
 def tables() -> frozenset[type[Row]]:
-    """Return the rows that installed kinds read: what is in them is checked for robots that have no such kind, too."""
+    """Return the row types that installed kinds read: they are also checked for robots without such a kind."""
     rows: set[type[Row]] = set()
     for point in plugins.installed("kinds").values():
-        with contextlib.suppress(KindError):  # told to those who name it
+        with contextlib.suppress(KindError):  # reported to those who name it
             rows |= {read.row for read in declared(point).reads}
     return frozenset(rows)
 
 
 def shadowed(name: str, home: Path) -> Path | None:
-    """Return the file of the user's own that is not used because an installed kind has its name."""
+    """Return the user's own file that is ignored because an installed kind has its name."""
     path = user_directory(home) / f"{name}.py"
     return path if plugins.find("kinds", name) is not None and path.is_file() else None
 
 
 def fingerprint(name: str, home: Path) -> str:
-    """Return what changes when a user's capability file does, or is written again; empty for an installed kind."""
+    """Return a text that changes when a user's file is changed or written again; empty for an installed kind."""
     if plugins.find("kinds", name) is not None:
         return ""
     path = user_directory(home) / f"{name}.py"
@@ -96,7 +94,7 @@ def fingerprint(name: str, home: Path) -> str:
 
 
 def same_content(fingerprint: str, other: str) -> bool:
-    """Return whether two files have the same in them, whenever and on whichever machine each was written."""
+    """Return whether two files have the same content, whenever and on whichever machine each was written."""
     return fingerprint.rpartition("-")[2] == other.rpartition("-")[2]
 
 
@@ -119,7 +117,7 @@ def _refuse_if_others_may_write(path: Path) -> None:
 
 @plugins.remembered
 def declared(point: Plugin) -> Kind:
-    """Return an installed kind; those that come with lbr are checked by its tests, and need not be at every start."""
+    """Return an installed kind. lbr's tests check its own kinds, so that not every start has to."""
     try:
         kind = point.checked(point.load(), Kind)
     except PluginError as err:

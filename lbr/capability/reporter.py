@@ -17,7 +17,7 @@ Phase = tuple[str, str, ReasonCode]
 
 BEAT_S = 0.2
 EARLY_S = 0.02
-"""A loop that goes round every `BEAT_S` is sometimes a little early, and beats all the same."""
+"""A loop that goes round every `BEAT_S` is sometimes a little early, and still beats."""
 COUNTS_S = 1.0
 HEARTBEAT_VARIABLE = "LBR_HEARTBEAT_FD"
 _whose: ContextVar[int] = ContextVar("whose", default=0)
@@ -25,9 +25,10 @@ _whose: ContextVar[int] = ContextVar("whose", default=0)
 
 
 def final_report(phase: str, reason: str, code: Code) -> tuple[int, bytes]:
-    """Return the executive's pipe (-1: none), and what another process may write to it before it ends this one.
+    """Return the executive's pipe (-1: none), and the report that another process may write to it before it ends this
+    one.
 
-    To be called in the thread of the capability that it is about.
+    To be called in the thread of the capability that ends.
     """
     report = Report(phase=phase, reason=reason, code=code, number=_whose.get())
     return int(os.environ.get(HEARTBEAT_VARIABLE, "-1")), _encode(report)
@@ -36,7 +37,7 @@ def final_report(phase: str, reason: str, code: Code) -> tuple[int, bytes]:
 class Reporter:
     """Writes a capability's reports to the pipe of the executive, one line each.
 
-    `number` is that of the order that started it. `reported` is the phase that it reported last.
+    `number` is that of the order that started it, `reported` the phase that it reported last.
     """
 
     def __init__(self, fd: int, number: int = 0) -> None:
@@ -59,14 +60,14 @@ class Reporter:
         self._write(_encode(Report(number=self._number, thread=threading.get_native_id())))
 
     def learnt(self, rows: dict[str, msgspec.Raw]) -> None:
-        """Report rows to be written down, which must fit into what a pipe takes whole; ValueError says so."""
+        """Report rows to store; raise ValueError if they exceed what a pipe accepts as a whole."""
         line = _encode(Report(learnt=rows, number=self._number))
         if len(line) > PIPE_BUF:
             raise ValueError(f"rows of {len(line)} bytes are too many to learn at once: {PIPE_BUF} at most")
         self._write(line)
 
     def beat(self, counts: dict[str, int]) -> None:
-        """Say that the main loop goes round; rate-limited here, so call it freely."""
+        """Report that the main loop runs; rate-limited here, so it may be called at any rate."""
         now = time.monotonic()
         if now < self._beat_at:
             return
@@ -78,7 +79,7 @@ class Reporter:
         self._write(_encode(Report(counts=counts, number=self._number, at=now)))
 
     def _write(self, line: bytes) -> None:
-        with contextlib.suppress(OSError):  # a full or closed pipe: the lifeline tells if the executive is gone
+        with contextlib.suppress(OSError):  # a full or closed pipe: the lifeline shows if the executive is gone
             os.write(self._fd, line)
 
 

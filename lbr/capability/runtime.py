@@ -34,25 +34,25 @@ from lbr.messages.system import EstopRequest, Event
 
 COMPLAINTS_PER_S = 2
 ACKNOWLEDGE_S = 0.5
-"""So long a mover may take to acknowledge an emergency stop that has no setting `acknowledge_s`."""
+"""The time for a mover to acknowledge an emergency stop if it has no setting `acknowledge_s`."""
 UNREAD_S = 2.0
-"""The subscription ends after so long without a reader."""
+"""After this time without a reader, the subscription ends."""
 NEWEST_WAIT_S = 0.1
 """The longest wait of the first reader for the newest message; a frozen sender costs it once."""
 R = TypeVar("R", bound=Row)
 
 
 class Join(Protocol):
-    """Opens a capability's part of the bus; the emergency stop has one `alone`."""
+    """Opens a capability's part of the bus; for the emergency stop, one `alone`."""
 
     def __call__(self, config: ProcessConfig, *, alone: bool) -> Transport:
-        """Open it; BusError: it is not let in."""
+        """Open it; raise BusError if it is refused."""
 
 
 class Port:
-    """One input or setpoint: decodes what its streams bring, drops what is not genuine, too fast or malformed.
+    """One input or setpoint: decodes its streams, and drops messages that are not genuine, too fast or malformed.
 
-    Pictures are received `while_read`: a camera that has no subscriber rests.
+    Pictures are received `while_read`: a camera without a subscriber rests.
     """
 
     def __init__(
@@ -82,14 +82,14 @@ class Port:
             self._subscribe()
 
     def take(self) -> list[Received]:
-        """Return what is new, oldest first."""
+        """Return the new messages, oldest first."""
         self._drain()
         fresh = list(self._fresh)
         self._fresh.clear()
         return fresh
 
     def latest(self) -> Received | None:
-        """Return the newest message there ever was."""
+        """Return the newest message since the start."""
         self._drain()
         return self.last
 
@@ -106,7 +106,7 @@ class Port:
         ]
 
     def _begin_to_read(self) -> None:
-        """Receive it, and have the newest message at once."""
+        """Receive it, and get the newest message at once."""
         self._subscribe()
         keys_asked = {feed.key: feed for feed in self._wires}
         for raw in self._bus.newest(keys_asked, source=self._name, timeout_s=NEWEST_WAIT_S):
@@ -153,9 +153,10 @@ class Port:
 
 
 class ProcessContext:
-    """A capability's context, over a transport that `join` opens: Zenoh's unless another is given.
+    """A capability's context, over a transport that `join` opens: by default Zenoh's.
 
-    `wake` is called from any thread for each arrival; for streams `wake_for_streams` is, or nothing if it is None.
+    Each arrival calls `wake`, in any thread. A stream's arrival calls `wake_for_streams` instead; nothing, if that is
+    None.
     """
 
     def __init__(
@@ -194,7 +195,7 @@ class ProcessContext:
         self._throttle = Throttle()
         self._dropped: dict[str, int] = {}
         self._refused_outputs: set[str] = set()
-        with ExitStack() as failed:  # also an interruption leaves nothing open
+        with ExitStack() as failed:  # an interruption, too, must leave nothing open
             failed.callback(self.estop.close)
             self._bus = join(config, alone=False)
             failed.pop_all()
@@ -246,8 +247,7 @@ class ProcessContext:
 
     @property
     def bus(self) -> session.Session | None:
-        """This process's session, for kinds that hear what no row wires; one thread takes from it. None: it has
-        none."""
+        """Return this process's session, for kinds that receive more than their wires; one thread may read from it."""
         return self._bus.session if isinstance(self._bus, ZenohTransport) else None
 
     def clock(self) -> float:
@@ -265,8 +265,7 @@ class ProcessContext:
     def publish(self, output: str, message: Struct, *, taken_s: float | None = None) -> None:
         """Publish on every key of an output; `taken_s` is when a picture was taken.
 
-        A message that the declared type does not allow is not published, and that is reported once until it is as
-        declared again.
+        A message that does not fit the declared type is not published. That is reported once, until one fits again.
         """
         if output not in self._outputs:
             raise KeyError(f"'{self.name}' has no output '{output}'; it has {', '.join(self._outputs) or 'none'}")
@@ -279,7 +278,7 @@ class ProcessContext:
             publisher.put(message, taken_s=taken_s, payload=payload)
 
     def _checked(self, output: str, message: Struct) -> bytes | None:
-        """Return a message as bytes, once its declared type reads them; None if it does not."""
+        """Return a message as bytes, if its declared type accepts them; otherwise None."""
         if isinstance(message, JpegFrame):
             return message.data
         try:
@@ -295,7 +294,7 @@ class ProcessContext:
         return payload
 
     def forget(self, output: str) -> None:
-        """Answer no `get` any more with what was published there."""
+        """Stop answering `get` with the last message of an output."""
         for publisher in self._outputs[output]:
             publisher.forget()
 
@@ -304,7 +303,7 @@ class ProcessContext:
         return any(publisher.watched for publisher in self._outputs[output])
 
     def wake(self) -> None:
-        """Have `step` called at once; from any thread."""
+        """Have `step` called at once; may be called from any thread."""
         self._wake()
 
     def latest(self, port: str) -> Received | None:
@@ -335,7 +334,7 @@ class ProcessContext:
         *,
         only: Collection[str] | None = None,
     ) -> Answers:
-        """Ask every capability wired to a request, or `only` some of them; during a command in its sender's name."""
+        """Ask every capability wired to a request, or `only` some of them; during a command, in its sender's name."""
         payload = wire.encode(message)
         wired = self.config.requests.get(request, {})
         asked = {name: key for name, key in wired.items() if only is None or name in only}
@@ -357,7 +356,7 @@ class ProcessContext:
         code: str = "",
         about: str = "",
     ) -> None:
-        """Publish on `@event`, unless there were too many of this kind; those are counted and told together."""
+        """Publish on `@event`; if there are too many of this kind, count it for a summary."""
         if not self._throttle.take(kind, self.clock()):
             return
         safe = level if level in {"info", "warning", "error"} else "info"
@@ -374,20 +373,20 @@ class ProcessContext:
         self._events.put(event)
 
     def tell_missed(self) -> None:
-        """Tell of the events that were too many; called once a second."""
+        """Report the number of suppressed events; called once a second."""
         for kind, missed in self._throttle.missed().items():
             text = f"{missed} more events '{kind}' within a second"
             event = Event(kind="repeated", subject=self.name, text=text, level="warning", wall_ns=time.time_ns())
             self._events.put(event)
 
     def drop_unread(self) -> None:
-        """Receive pictures no longer that are not read; called once a second."""
+        """Stop receiving pictures that are not read; called once a second."""
         now = self.clock()
         for port in self._ports.values():
             port.drop_unread(now)
 
     def tell_recorder(self) -> None:
-        """Tell a recorder, if there is one, of bytes and commands; called after each tick."""
+        """Publish bytes and commands to a recorder, if there is one; called after each tick."""
         self._tape.step(self.clock())
 
     def engage_estop(self, reason: str) -> None:
@@ -396,7 +395,7 @@ class ProcessContext:
         self._bus.put(keys.estop(self.robot), request, source=self.name)
 
     def learn(self, *rows: Row) -> None:
-        """Have rows that the kind learns written down."""
+        """Have learnt rows stored."""
         for row in rows:
             if type(row) not in self.kind.learns:
                 raise ValueError(f"'{self.name}' learns no rows of '{row.TABLE}': its kind says so by `learns`")
@@ -405,7 +404,7 @@ class ProcessContext:
         self._take_over(told)
 
     def adopt(self, rows: Iterable[Row]) -> None:
-        """Go on with the rows of an edit that was accepted."""
+        """Use the rows of an accepted edit."""
         self._take_over(_plain(rows))
 
     def _take_over(self, told: Mapping[str, msgspec.Raw]) -> None:
@@ -413,11 +412,11 @@ class ProcessContext:
         self._rows.clear()
 
     def ready(self, reason: str = "") -> None:
-        """Say that this capability works."""
+        """Report that this capability works."""
         self._reporter.phase("ready", reason)
 
     def warn(self, reason: str | Reason, code: Code = "failed") -> None:
-        """Say that it does not work as it should."""
+        """Report that it works only partly."""
         self._reporter.phase("degraded", str(reason), reason.code if isinstance(reason, Reason) else code)
 
     @contextmanager
@@ -430,9 +429,9 @@ class ProcessContext:
             self._origin = None
 
     def calls(self) -> Iterator[BusCall]:
-        """Yield the commands that wait; malformed ones are refused here.
+        """Yield the waiting commands; malformed ones are refused here.
 
-        A mover knows of a stop before each of them: their dates show which commands are older, and it begins none.
+        Stops are noted before each of them: a mover does not begin a command that is older than a stop.
         """
         self.estop.serve()
         overtaken = self.kind.moves and STOP in self._commands
@@ -449,7 +448,7 @@ class ProcessContext:
                 yield from self._call(name, request)
 
     def _call(self, name: str, request: wire.Request) -> list[BusCall]:
-        """Return what is asked for, or refuse it."""
+        """Return the decoded command, or refuse it."""
         call = BusCall(
             name,
             None,
@@ -472,7 +471,7 @@ class ProcessContext:
         return {name: publishers[0].count for name, publishers in self._outputs.items() if publishers}
 
     def close(self) -> None:
-        """Refuse what waits, and leave the bus; the token goes with it."""
+        """Refuse the waiting commands, and leave the bus; the token goes with it."""
         for served, _ in self._commands.values():
             for request in served.take():
                 request.reply(refused(Reason("shutting_down", f"'{self.name}' ends")), self.name)
@@ -489,12 +488,12 @@ class ProcessContext:
 
 
 def _plain(rows: Iterable[Row]) -> dict[str, msgspec.Raw]:
-    """Return rows as they are told to others; raise msgspec.ValidationError for what their annotations refuse."""
+    """Return rows as others receive them; raise msgspec.ValidationError for values that their annotations refuse."""
     return by_table(msgspec.convert(msgspec.to_builtins(row), type(row)) for row in rows)
 
 
 def _read(name: str, payload: bytes, decoder: Decoder[Any]) -> Any:
-    """Return a command's message; a stop that cannot be read is a stop."""
+    """Return a command's message; an unreadable stop is a stop."""
     try:
         return _decode(payload, decoder)
     except MalformedError:

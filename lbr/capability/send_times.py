@@ -1,5 +1,4 @@
-"""Tells when a stream's messages were sent, by our clock, and which are newer than those before; also from another
-machine."""
+"""Dates a stream's messages by our clock, and finds the new ones; also for streams from another machine."""
 
 from collections import deque
 from math import inf
@@ -8,14 +7,15 @@ from lbr.bus import stamp
 from lbr.messages.system import Stamp
 
 WINDOW_S = 10.0
-"""Clocks of two machines drift apart, by some 0.1 ms/s at most, so that no older comparison of them counts."""
+"""Clocks of two machines drift apart by some 0.1 ms/s at most, so an older comparison of them is useless."""
 MOST_BOOTS = 16
 
 
 class SendTimes:
-    """One stream's. Another machine's clock is read by the quickest message of late: none sent later came sooner.
+    """The send times of one stream.
 
-    So what a network held back is old when it comes, and does not pass for new.
+    The quickest recent message gives the offset of another machine's clock. So a message that a network has delayed is
+    old when it arrives, and does not count as new.
     """
 
     def __init__(self) -> None:
@@ -27,7 +27,7 @@ class SendTimes:
         self._turn_s = -inf
 
     def newer(self, sent: Stamp) -> bool:
-        """Return whether a sealed message was sent after all before it; a machine that restarted counts from there."""
+        """Return whether a sealed message was sent after all before it; a restart of its machine begins anew."""
         if sent.boot != self._boot:
             if sent.boot in self._past:
                 return False
@@ -39,7 +39,7 @@ class SendTimes:
         return True
 
     def sent_s(self, sent: Stamp | None, arrived: float) -> float:
-        """Return when a message was sent, on our monotonic clock; at the latest, if it came from another machine."""
+        """Return when a message was sent, on our monotonic clock; from another machine, the latest possible time."""
         if sent is None or not sent.boot or sent.boot == stamp.boot_id():
             return stamp.sent_s(sent, arrived)
         if sent.boot != self._clock:

@@ -1,4 +1,4 @@
-"""All that is wrong with settings at once: msgspec itself stops at the first fault."""
+"""All faults of settings at once: msgspec itself stops at the first one."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -14,13 +14,13 @@ MOST_TOLD = 20
 
 
 def decoded(content: str | bytes, kind: object) -> Any:
-    """Return a value out of JSON. Whatever a struct of the user's own raises is a msgspec.ValidationError, too."""
+    """Return a value from JSON. Every exception of a user's own struct becomes a msgspec.ValidationError."""
     with border(lambda err: msgspec.ValidationError(f"{type(err).__name__}: {err}"), msgspec.MsgspecError):
         return msgspec.json.decode(content, type=kind)
 
 
 def faults(kind: type[Struct], settings: object, at: str = "$") -> tuple[str, ...]:
-    """Return what each field of decoded JSON has against a struct, in msgspec's words; nothing if all of it fits."""
+    """Return the objections to the fields of decoded JSON, in msgspec's words; empty if all fit."""
     try:
         decoded(msgspec.json.encode(settings), kind)
     except msgspec.ValidationError as err:
@@ -51,7 +51,7 @@ def _of_fields(kind: type[Struct], settings: dict[str, Any], at: str) -> list[st
 
 
 def _meant(name: str, fields: Iterable[str]) -> str:
-    """Return which field it may have been, or which there are."""
+    """Return the field that was probably meant, or all fields."""
     if close := near(name, fields):
         return f", did you mean `{close[0]}`?"
     return f", there is {', '.join(sorted(fields)) or 'none'}"
@@ -68,7 +68,7 @@ def _of_value(kind: object, value: object, at: str) -> tuple[str, ...]:
 
 
 def _beyond(kind: object, value: object, at: str) -> str:
-    """Return which bounds a number is beyond, in the console's words; nothing if something else is wrong."""
+    """Return the exceeded bounds of a number, in the console's words; empty if the fault is another."""
     found = inspect.type_info(kind)
     while isinstance(found, inspect.Metadata):
         found = found.type
@@ -84,7 +84,7 @@ def _beyond(kind: object, value: object, at: str) -> str:
 
 
 def _placed(text: str, at: str) -> str:
-    """Return what msgspec says of a part with the place of that part."""
+    """Return msgspec's objection to a part, with the path of that part."""
     said, found, path = text.partition(" - at `$")
     if found:
         return f"{said} - at `{at}{path}"

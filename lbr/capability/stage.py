@@ -1,9 +1,8 @@
-"""Capabilities as they are run, in one process, by a clock that is stepped: their contexts and loops, over a bus in
-memory.
+"""Real capabilities in one process, on a stepped clock: their contexts and loops, over a bus in memory.
 
-A message, question or answer of one round arrives in the next; nothing happens between rounds, and the order is always
-the same. A capability that raises ends the round with what it raised. One that waits for its device does so in time of
-its own (`spend`), and is busy meanwhile.
+A message, question or answer of one round arrives in the next. Nothing happens between rounds, and the order is always
+the same. An exception of a capability ends the round. A capability that waits for its device does so on its own time
+(`spend`), and is busy meanwhile.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -30,15 +29,15 @@ from lbr.messages.rows import Row, row_set
 from lbr.messages.system import EstopRequest, Event
 
 ROUND_S = 0.01
-"""One hop over the bus takes up to 7 ms beside four busy loops; a round is a bit more."""
+"""One hop over the bus takes up to 7 ms beside four busy loops; a round is a bit longer."""
 
 
 DEPTH = 1000
-"""So many messages of a port wait for their reader, of a capability that is alone."""
+"""The number of messages that wait for their reader at a port, for a capability that is alone."""
 
 
 class Told(NamedTuple):
-    """An event, with when it came; that a capability is degraded counts as one."""
+    """An event, with the time of its arrival; a degraded capability counts as one."""
 
     at_s: float
     subject: str
@@ -79,7 +78,7 @@ def alone(
 
 
 class StageReporter(Reporter):
-    """Keeps what a capability reports of itself: its `phases`, and the rows that it `learnt`."""
+    """Keeps a capability's reports: its `phases`, and the rows that it `learnt`."""
 
     def __init__(self, reported: Callable[[Phase], None]) -> None:
         self._reported = reported
@@ -95,7 +94,7 @@ class StageReporter(Reporter):
             self._reported(self.reported)
 
     def learnt(self, rows: Mapping[str, msgspec.Raw]) -> None:
-        """Keep rows; nothing is written down."""
+        """Keep rows, without storing them."""
         self.rows.append(rows)
 
     def beat(self, counts: dict[str, int]) -> None:
@@ -103,7 +102,7 @@ class StageReporter(Reporter):
 
 
 class LeftAlone(Garbage):
-    """Leaves the times of collection to the one that runs the stage."""
+    """Leaves the times of collection to the caller of the stage."""
 
     def wait_for_us(self) -> None:
         """Do nothing."""
@@ -127,7 +126,7 @@ class Member:
         self._opens_s = self._due_s = opens_s
 
     def round(self, now: float) -> None:
-        """Do what its process does now, if anything."""
+        """Do the work of its process at this moment, if there is any."""
         due = self.woken or now >= self._due_s - EARLY_S
         if due and not self.frozen and now >= self._opens_s - EARLY_S:
             self.woken = False
@@ -135,7 +134,7 @@ class Member:
 
 
 class Stage:
-    """Capabilities by name, and the bus between them. `told` are the events, and `names` all that count as alive."""
+    """Capabilities by name, and the bus between them. `told` are the events, and `names` all that count as present."""
 
     def __init__(self, robot: str = "robot", now: float = BEGAN_S, round_s: float = ROUND_S) -> None:
         self.robot = robot
@@ -151,24 +150,24 @@ class Stage:
 
     @property
     def now(self) -> float:
-        """The time of the stage."""
+        """Return the time of the stage."""
         return self.bus.now
 
     def time_of(self, name: str) -> float:
-        """Return the time as a capability has it, which may still be waiting for its device."""
+        """Return a capability's own time, in which it may still be waiting for its device."""
         return max(self.now, self._busy_until.get(name, 0.0))
 
     def spend(self, name: str, seconds: float) -> None:
-        """Have a capability wait for its device."""
+        """Let a capability wait for its device."""
         self._busy_until[name] = self.time_of(name) + seconds
 
     @property
     def names(self) -> set[str]:
-        """All that count as alive, who is not on the stage included."""
+        """Return all names that count as present, including those that are not on the stage."""
         return self.bus.names
 
     def add(self, config: ProcessConfig, kind: Kind | None = None, phase_s: float = 0.0) -> Capability[Any]:
-        """Have a capability live here, of an installed kind unless that is given; it opens after `phase_s`."""
+        """Add a capability, of an installed kind by default; it opens after `phase_s`."""
         for feeds in config.wiring.values():
             self._seals.update((feed.key, bytes.fromhex(feed.seal)) for feed in feeds)
         reporter = StageReporter(partial(self._reported, config.name))
@@ -185,32 +184,32 @@ class Stage:
         return member.capability
 
     def kill(self, name: str) -> None:
-        """Have a capability be gone at once, as a process that is killed: it closes nothing."""
+        """Remove a capability at once, like a killed process: it closes nothing."""
         del self.members[name]
         for transport in self._transports.pop(name):
             transport.close()
 
     def close(self) -> None:
-        """End all of them in order."""
+        """Close all capabilities in order."""
         for member in self.members.values():
             member.loop.end()
         self.members.clear()
 
     def listen(self, key: str, message: type[Any], hear: Callable[[Any], None]) -> None:
-        """Have something hear every message of a key."""
+        """Call `hear` with every message of a key."""
         self.bus.listen(key, message, hear)
 
     def put(self, key: str, message: Struct, source: str) -> None:
-        """Publish as one who is not on the stage; what only that one may publish is sealed as by it."""
+        """Publish as a sender that is not on the stage; a setpoint is sealed as by its source."""
         self.bus.publish(key, message, source, seal=self._seals.get(key, b""))
 
     def arrive(self, name: str, port: str, message: Struct) -> None:
-        """Put a message on an input or setpoint, from the capability that is wired there."""
+        """Put a message on an input or setpoint, from the capability that is wired to it."""
         for feed in self.members[name].ctx.config.wiring[port]:
             self.put(feed.key, message, feed.source)
 
     def hear(self, name: str, output: str) -> list[Any]:
-        """Return a list to which all is added that is published on an output from now on."""
+        """Return a list that collects all later messages of an output."""
         heard: list[Any] = []
         self.listen(keys.port(self.robot, name, output), self.members[name].ctx.kind.outputs[output], heard.append)
         return heard
@@ -227,21 +226,21 @@ class Stage:
         return Answers({name: question}, Decoder(replies.get(what, CommandReply)))
 
     def answer(self, name: str, what: str, message: object, source: str = "stage", timeout_s: float = 2.0) -> Any:
-        """Ask one capability, and let time go by until it has answered; None if it does not."""
+        """Ask one capability, and let time pass until it has answered; None if it does not."""
         asked = self.command(name, what, message, source, timeout_s)
         while (answers := asked.answers()) is None:
             self.round()
         return answers[name]
 
     def round(self) -> None:
-        """Let one round go by."""
+        """Let one round pass."""
         self.bus.step(self.round_s)
         for name, member in list(self.members.items()):
             if self.time_of(name) <= self.now + EARLY_S:
                 member.round(self.now)
 
     def run(self, seconds: float, each: Iterable[Callable[[], object]] = ()) -> None:
-        """Let time go by, and do something in each round."""
+        """Let time pass, and call `each` in every round."""
         for _ in range(round(seconds / self.round_s)):
             self.round()
             for do in each:

@@ -1,19 +1,19 @@
-"""Suspends of this computer: its monotonic clock stands still meanwhile, so no deadline passes."""
+"""Detects that this computer was suspended: its monotonic clock stops meanwhile, so no deadline passes."""
 
 import time
 
 LEAST_S = 0.5
-"""A shorter while ends no motion."""
+"""A shorter suspension ends no motion."""
 
 
 class Suspended:
-    """Compares the clock that goes on while the computer sleeps with the one that does not."""
+    """Compares the clock that goes on while the computer sleeps with the one that stops."""
 
     def __init__(self) -> None:
         self._apart_s = _apart_s()[1]
 
     def for_s(self) -> float:
-        """Return for how long the computer was suspended since the last call; 0 if it was not."""
+        """Return how long the computer was suspended since the last call; 0 if it was not."""
         least_s, most_s = _apart_s()
         slept_s = least_s - self._apart_s
         if slept_s > LEAST_S:
@@ -24,7 +24,7 @@ class Suspended:
 
 
 def _apart_s() -> tuple[float, float]:
-    """Return how far the clocks are apart, at least and at most: who reads them may be held up in between."""
+    """Return the least and the greatest difference of the clocks: the process may pause between their readings."""
     before = time.monotonic()
     boot = time.clock_gettime(time.CLOCK_BOOTTIME)
     return boot - time.monotonic(), boot - before

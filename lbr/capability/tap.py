@@ -1,4 +1,4 @@
-"""The bytes of a device's line: of its first seconds always, of the rest while a recorder hears them."""
+"""The bytes of a device's line: always those of its first seconds, the others only while a recorder receives them."""
 
 import time
 from collections import deque
@@ -6,14 +6,14 @@ from collections import deque
 from lbr.messages.taped import LineBytes
 
 OPENING_NS = 5_000_000_000
-"""So long after it was opened, a line's bytes are kept: the handshakes of all drivers are over by then."""
+"""The bytes of a line are kept for this time after its opening: by then, the handshakes of all drivers are over."""
 OPENING_PIECES = 2000
 MOST_PIECES = 20_000
-"""Of one line between two messages: of the fastest line there is ten seconds."""
+"""For one line between two messages: ten seconds of the fastest line."""
 
 
 class Tap:
-    """The bytes of one line; any thread of a driver gives them, one takes them."""
+    """The bytes of one line; any thread of a driver adds them, one thread takes them."""
 
     def __init__(self) -> None:
         self._opening: list[LineBytes] = []
@@ -23,43 +23,43 @@ class Tap:
         self._lost = 0
 
     def opened(self) -> None:
-        """Begin anew: the line was opened now."""
+        """Begin anew: the line has just been opened."""
         self.is_line, self._heard = True, False
         self._opening = []
         self._opened_ns = time.monotonic_ns()
 
     @property
     def wanted(self) -> bool:
-        """Return whether what comes now is kept."""
+        """Return whether bytes are kept now."""
         return self._live is not None or self._opened_ns > 0
 
     def sent(self, data: bytes) -> None:
-        """Take what the driver wrote."""
+        """Add bytes that the driver wrote."""
         if self.wanted:
             self._take(data, sent=True)
 
     def came(self, data: bytes) -> None:
-        """Take what the driver read."""
+        """Add bytes that the driver read."""
         self._heard = True
         if self.wanted:
             self._take(data, sent=False)
 
     @property
     def heard(self) -> bool | None:
-        """Say whether the device has sent anything since its line was opened; None where no line is."""
+        """Return whether the device has sent anything since its line was opened; None without a line."""
         return self._heard if self.is_line else None
 
     @property
     def opening(self) -> tuple[LineBytes, ...]:
-        """The bytes of the line's first seconds."""
+        """Return the bytes of the line's first seconds."""
         return tuple(self._opening)
 
     def listen(self, *, on: bool) -> None:
-        """Keep what comes for `take`, or no longer."""
+        """Keep bytes for `take`, or no longer."""
         self._live, self._lost = (deque(maxlen=MOST_PIECES) if on else None), 0
 
     def take(self) -> tuple[tuple[LineBytes, ...], int]:
-        """Return what came since the last call, and how many pieces were too many."""
+        """Return the pieces since the last call, and the number of pieces that were dropped."""
         live, pieces = self._live, []
         while live:
             pieces.append(live.popleft())

@@ -1,6 +1,6 @@
-"""The record of a process for a recorder with lines: the bytes of its devices, and its commands with their answers.
+"""The recording of a process for a recorder with lines: the bytes of its devices, and its commands with their answers.
 
-Without such a recorder it is empty and costs nothing: it follows whether there is a subscriber.
+Without a subscriber it is empty and costs nothing.
 """
 
 import time
@@ -20,7 +20,7 @@ MOST_COMMANDS = 1000
 
 
 class Tape:
-    """The publications of a process while a recorder listens. One thread uses it."""
+    """The publications of a process while a recorder listens. Only one thread may use it."""
 
     def __init__(self, bus: Transport, robot: str, name: str, taps: Mapping[str, Tap]) -> None:
         self._taps = taps
@@ -30,7 +30,7 @@ class Tape:
         self._publisher = bus.publisher(keys.taped(robot, name), name, watching=lambda: None)
 
     def answered(self, call: BusCall, answer: Struct) -> None:
-        """Take a command with its answer."""
+        """Add a command with its answer."""
         if self._on and len(self._commands) < MOST_COMMANDS:
             self._commands.append(
                 TapedCommand(
@@ -45,7 +45,7 @@ class Tape:
             )
 
     def step(self, now: float) -> None:
-        """Publish what came, a few times a second, and follow whether a recorder hears."""
+        """Publish the additions a few times a second, and follow whether there is a subscriber."""
         if self._on != self._publisher.watched:
             self._on = self._publisher.watched
             self._commands.clear()

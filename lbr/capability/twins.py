@@ -1,11 +1,10 @@
-"""Which types of devices can be emulated: what lbr's and other packages' components have as `twins`.
-
-A package declares one in a module of its own, and names it in its component, as lbr does:
+"""The twins that emulate devices: the `twins` of lbr's and other packages' components. A package declares a twin in a
+module of its own, and names it in its component:
 
     TWIN = DeviceTwin(device="feetech", row=FeetechRow, entry=FeetechTwin)       # in my_arm/twin.py
     COMPONENT = Component(twins={"feetech": "my_arm.twin:TWIN"})
 
-Here nothing is imported before a device row of that type asks for it.
+The module is imported only for a device row of that type.
 """
 
 from dataclasses import dataclass
@@ -20,17 +19,17 @@ from lbr.plugins import Plugin, PluginError
 
 
 class TwinError(KindError):
-    """A twin that cannot be used; the text names its package and says what to do."""
+    """A twin that cannot be used; the text has its package and the cure."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DeviceTwin:
     """The emulation of a type of device: the settings of its device rows, and its class.
 
-    `device` is the type that device rows name. `row` has a field `faults`: what can be made to go wrong. `entry` is a
-    class, or `module:Class`, which is imported only where the world runs; it is made with a device and its
-    surroundings, see `lbr.simulation.twins.base.Twin`. `player` names, as module:Class, what plays motions that the
-    device keeps, for trials without its line: see `lbr.simulation.trials.body.Player`.
+    `device` is the type that device rows name. `row` has a field `faults`: the faults that it can simulate. `entry` is
+    a class, or `module:Class`, which is imported only where the world runs. It is made with a device and its
+    surroundings, see `lbr.simulation.twins.base.Twin`. `player` (`module:Class`) plays motions that the device stores,
+    for trials without its line: see `lbr.simulation.trials.body.Player`.
     """
 
     device: str
@@ -39,11 +38,11 @@ class DeviceTwin:
     player: str = ""
 
     def load_player(self) -> Any:
-        """Import and return what plays motions that the device keeps, or None."""
+        """Import and return the player of motions that the device stores, or None."""
         return plugins.load(self.player)() if self.player else None
 
     def load(self) -> type:
-        """Import and return the class that emulates it."""
+        """Import and return the class that emulates the device."""
         if isinstance(self.entry, type):
             return self.entry
         try:
@@ -56,18 +55,18 @@ class DeviceTwin:
 
 
 def names() -> tuple[str, ...]:
-    """Return every type of device that can be emulated, sorted; one that several packages claim is among them."""
+    """Return every type of device that can be emulated, sorted, including types that several packages claim."""
     return tuple(sorted(plugins.installed("twins")))
 
 
 def find(device_type: str) -> DeviceTwin | None:
-    """Return how a type of device is emulated, or None; raise TwinError if what brings it is broken, or not alone."""
+    """Return the twin of a type of device, or None; raise TwinError if its package is broken, or not the only one."""
     point = plugins.find("twins", device_type)
     return _declared(point) if point is not None else None
 
 
 def refused(device_type: str = "") -> tuple[str, ...]:
-    """Return a sentence for each package whose twin, of that type or of any, is not used because its name is taken."""
+    """Return one sentence for each package whose twin is ignored because its name is taken; of that type, or of any."""
     found = (one for one in plugins.every("twins") if one.refusal and device_type in {"", one.name})
     return tuple(f"the twin {one.label}: {one.refusal}" for one in found)
 

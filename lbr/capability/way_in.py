@@ -1,4 +1,4 @@
-"""The way of a capability onto the bus: by a session of its own, or by one that it shares with those of its process."""
+"""The connection of a capability to the bus: a session of its own, or one that its process shares."""
 
 from collections import defaultdict
 from functools import partial
@@ -8,12 +8,11 @@ from lbr.bus.transport import SharedSession, ZenohTransport
 from lbr.capability.config import ProcessConfig
 
 _shared: defaultdict[tuple[str, ...], SharedSession] = defaultdict(SharedSession)
-"""By the endpoints at which those of this process come in: a router knows what they may do as one."""
+"""By the endpoints at which these capabilities connect: to a router, they are one user."""
 
 
 def join(config: ProcessConfig, *, alone: bool) -> ZenohTransport:
-    """Enter as a capability, `alone` with a session that is shared with nobody; raise BusError if the robot's router
-    does not let it in."""
+    """Connect as a capability; `alone` opens a session of its own. Raise BusError if the robot's router refuses it."""
     if config.process and not alone:
         return _shared[config.endpoints].enter(partial(enter_alone, config))
     opened = enter_alone(config)
@@ -21,5 +20,5 @@ def join(config: ProcessConfig, *, alone: bool) -> ZenohTransport:
 
 
 def enter_alone(config: ProcessConfig) -> session.Session:
-    """Open a session that is shared with nobody; raise BusError if the robot's router does not let it in."""
+    """Open a session that nobody shares; raise BusError if the robot's router refuses it."""
     return session.open_client(config.endpoints, config.credentials, certificate=config.certificate)

@@ -1,4 +1,4 @@
-"""Words that a kind brings to the console of each robot that has a capability of it."""
+"""Words that a kind adds to the console of each robot with a capability of it."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -8,11 +8,11 @@ from lbr.messages.system import Role
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """A line, `/r/{power}/{angle_deg}` or a bare word, and the command of its capability that it asks for, or of the
-    executive itself.
+    """A line, `/r/{power}/{angle_deg}` or a bare word, and the command that it sends to its capability, or to the
+    executive.
 
-    `fixed` are fields of the message that the pattern does not bind, `role` the least that may say it, unless the
-    command needs more. A robot's own row of the same pattern takes its place.
+    `fixed` are fields of the message that the pattern does not bind. `role` is the least role of its sender, unless the
+    command needs a higher one. A robot's own row with the same pattern replaces it.
     """
 
     pattern: str

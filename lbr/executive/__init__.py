@@ -1,1 +1,1 @@
-"""Rows to processes: plan, supervisor, and the operator's way in."""
+"""From rows to processes: the plan, the supervisor, and the interfaces for operators."""

@@ -1,4 +1,4 @@
-"""Threads beside the main loop. A machine that gives no more of them for a moment ends no robot."""
+"""Threads beside the main loop. A robot survives a machine that refuses to start one."""
 
 import threading
 from collections.abc import Callable
@@ -7,7 +7,7 @@ NO_THREAD = "this machine gives no more threads now: free some memory, or have t
 
 
 def begin(run: Callable[[], object], name: str) -> threading.Thread | None:
-    """Run it beside the caller; None if this machine gives no more threads."""
+    """Run it in a thread of its own; return None if this machine starts no more threads."""
     thread = threading.Thread(target=run, name=name, daemon=True)
     try:
         thread.start()

@@ -129,9 +129,9 @@ def compose(
     *,
     console: terminal.Start | None,
 ) -> "Executive":
-    """Return the executive of a robot, which answers, is present on the bus, and is about to start its plan.
+    """Return the executive of a robot. It answers, is present on the bus, and is about to start its plan.
 
-    Processes, emergency stop and rows form a ring: each reaches the next by a function that is called later.
+    Processes, emergency stop and rows depend on each other in a ring: each calls the next through a function.
     """
     robot, bus, main = plan.robot, ground.bus, ground.main
     served = partial(wire.QueryServer, bus, wake=main.wake, puts=False, source=EXECUTIVE)
@@ -221,7 +221,7 @@ def compose(
 
 @dataclass(frozen=True, slots=True)
 class Executive:
-    """Runs a robot: steps its services and closes them, in their order. `token` shows its presence on the bus."""
+    """Runs a robot: steps its services, and closes them in their order. `token` shows its presence on the bus."""
 
     ground: Ground
     journal: Journal
@@ -257,7 +257,7 @@ class Executive:
         self.journal.happened("shutdown", EXECUTIVE, shutdown.why)
         leaving = terminal.leave()
         self.processes.shut_down(self._wait)
-        while leaving is not None and leaving.is_alive():  # its last lines may still ask something of this thread
+        while leaving is not None and leaving.is_alive():  # its last lines may still need a call on this thread
             self._wait(0.02)
         for service in self.services:
             service.close()

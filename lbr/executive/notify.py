@@ -1,4 +1,4 @@
-"""Tells the service manager how the robot is: ready, alive, stopping. Without one, nothing happens."""
+"""Reports the state of the robot to the service manager: ready, alive, stopping. Without a manager, it does nothing."""
 
 import contextlib
 import os
@@ -14,9 +14,9 @@ MORE_TIME = "EXTEND_TIMEOUT_USEC=10000000"
 
 
 class Notifier:
-    """Sends the datagrams that systemd understands; a send never waits, and what was refused is sent again at a beat.
+    """Sends the datagrams of systemd. A send never waits; `beat` repeats a refused one.
 
-    `beat` must be called from the main loop and from nowhere else, so that a loop that hangs is seen.
+    Only the main loop may call `beat`, so that systemd notices when that loop hangs.
     """
 
     def __init__(self, address: str, beat_s: float, clock: Callable[[], float] = time.monotonic) -> None:
@@ -31,7 +31,7 @@ class Notifier:
 
     @classmethod
     def from_environment(cls, environment: MutableMapping[str, str] = os.environ) -> "Notifier":
-        """Take what the service manager has said out of the environment: no child may speak in this process's name."""
+        """Remove the service manager's variables from the environment, so that no child notifies systemd."""
         address = environment.pop(SOCKET_VARIABLE, "")
         period, pid = environment.pop(PERIOD_VARIABLE, ""), environment.pop(PID_VARIABLE, "")
         meant = pid in {"", str(os.getpid())} and period.isdecimal() and int(period) > 0
@@ -39,24 +39,24 @@ class Notifier:
         return cls(address if address.startswith(("/", "@")) else "", beat_s)
 
     def ready(self) -> None:
-        """Say that everything is up."""
+        """Report that the robot is up."""
         self._starting = False
         self._say("ready", "READY=1")
 
     def stopping(self, why: str) -> None:
-        """Say that the shutdown has begun."""
+        """Report that the shutdown has begun."""
         self._starting = False
         self._say("stopping", "STOPPING=1")
         self.status(f"stopping: {why}")
 
     def status(self, text: str) -> None:
-        """Say in one line how the robot is, if that has changed."""
+        """Report the state in one line, if it has changed."""
         if text != self._status:
             self._status = text
             self._say("status", f"STATUS={one_line(text)}")
 
     def beat(self) -> None:
-        """Say that the main loop goes round, and ask for more time to start; cheap to call at every turn."""
+        """Report that the main loop runs, and ask for more time to start; cheap enough for every turn."""
         now = self._clock()
         if now < self._beat_at:
             return

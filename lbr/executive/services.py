@@ -1,4 +1,4 @@
-"""A service of the executive: a part that the main loop steps, and closes at the end."""
+"""A service of the executive: the main loop steps it, and closes it at the end."""
 
 from math import inf
 
@@ -11,4 +11,4 @@ class Service:
         return inf
 
     def close(self) -> None:
-        """Accept no more, and free what it holds."""
+        """Accept no more work, and free all resources."""

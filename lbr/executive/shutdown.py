@@ -1,7 +1,7 @@
 """The shutdown of a robot: it ends this process for certain, even if the main thread hangs.
 
-Python runs signal handlers in the main thread alone, between two steps of its own. A call into a library may never
-return. The kernel's part of the handler writes to a pipe at once, and a thread of this module reads that.
+Python runs signal handlers only in the main thread, between two instructions, and a call into a library may never
+return. The low-level handler writes to a pipe at once, and a thread of this module reads that.
 """
 
 import contextlib
@@ -14,12 +14,11 @@ from collections.abc import Callable
 
 SIGNALS = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 HEARD_WITHIN_S = 2.5
-"""The main loop goes round five times a second, also where it is held up; one that has not begun to close by then
-hangs."""
+"""The main loop goes round five times a second, even under load; if it has not begun to close by then, it hangs."""
 OVER_WITHIN_S = 5.0
 """The processes have 2.5 s to end, then the external commands, the last rows and the routers."""
 LEFT_WITHIN_S = 3.0
-"""The rest then takes milliseconds, and a second on a machine that is far too busy."""
+"""The rest then takes milliseconds, and a second on a very busy machine."""
 FORCED = 70
 
 
@@ -52,7 +51,7 @@ class Shutdown:
         threading.Thread(target=self._count, name="last resort", daemon=True).start()
 
     def heed_signals(self) -> None:
-        """Begin at a signal, also at one that a file has noted before; from the main thread."""
+        """Begin at a signal, including one that a file has noted before; from the main thread."""
         file, noted = signal.set_wakeup_fd(self.signal_fd, warn_on_full_buffer=False), b""
         for number in self._signals:
             signal.signal(number, lambda n, _frame: self.begin(f"signal {signal.Signals(n).name}"))
@@ -63,13 +62,13 @@ class Shutdown:
             raise KeyboardInterrupt
 
     def begin(self, why: str, code: int = 0) -> None:
-        """Count from now on; from any thread."""
+        """Begin the countdown; may be called from any thread."""
         self.why, self.code = self.why or why, self.code or code
         self._begun.set()
         self._wake()
 
     def closing(self) -> None:
-        """Take note that the main thread is closing."""
+        """Note that the main thread is closing."""
         self._heard.set()
 
     def _listen(self) -> None:
@@ -84,13 +83,12 @@ class Shutdown:
         if not self._heard.wait(self._heard_s):
             self._end(f"the main thread has not heard of the shutdown for {self._heard_s:g} s")
         else:
-            time.sleep(max(0.0, since + self._over_s - time.monotonic()))  # a process that ends takes this thread along
+            time.sleep(max(0.0, since + self._over_s - time.monotonic()))  # the end of the process ends this thread
             self._end(f"the shutdown takes longer than {self._over_s:g} s")
 
 
 def leave_for_certain() -> None:
-    """Let nothing disturb the interpreter's end, where Python would die of a second signal, and bound it by the
-    kernel."""
+    """Ignore further signals, of which Python would die at its end, and let the kernel bound the time."""
     for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)
     signal.signal(signal.SIGALRM, signal.SIG_DFL)

@@ -1,4 +1,4 @@
-"""Begins a run: takes the robot for itself, makes and upgrades its database, and hands both to an executive."""
+"""The beginning of a run: locks the robot, creates and upgrades its database, and passes both to an executive."""
 
 import os
 import sys
@@ -17,7 +17,7 @@ from lbr.executive.processes import scheduling
 from lbr.executive.service import terminal
 
 NO_THREAD = "can't start new thread"
-"""As Python words it."""
+"""In Python's wording."""
 
 
 def run(
@@ -34,7 +34,7 @@ def run(
     """
     profile = profiles.load(profile_name)
     lock, claim = home.RunLock(profile.robot), Claim(profile.robot)
-    scheduling.rank(os.getpid(), scheduling.MOTION)  # it carries the router, and has no other thread yet
+    scheduling.rank(os.getpid(), scheduling.MOTION)  # this process carries the router, and has no other thread yet
     os.umask(OWNER_ONLY)
     machine.raise_limits()
     try:
@@ -61,6 +61,6 @@ def run(
 
 
 def _tell(*texts: str) -> None:
-    """Say on standard error what was done, or left out, before anything runs: standard output is for programs."""
+    """Report on standard error what was done or left out before the run: standard output is for programs."""
     for text in filter(None, texts):
         print(f"lbr: {text}", file=sys.stderr, flush=True)

@@ -1,1 +1,1 @@
-"""From rows to what should run: read, checked and planned again whenever they change. Starts nothing."""
+"""From rows to a plan: reads and checks them, and plans again after each change. Starts nothing."""

@@ -1,6 +1,6 @@
-"""The proofs of this home: the certificate of its bus, and the key that its tokens come from; and new tokens.
+"""The secrets of this home: the certificate of its bus, the key of its tokens, and new tokens.
 
-A token is made again from the key and its row whenever it is needed, and is never written down; the row has its hash.
+A token is never stored. It is derived from the key and its row whenever it is needed; the row holds its hash.
 """
 
 import hashlib
@@ -23,7 +23,7 @@ from lbr.names import first_free, without_marks
 
 _KEY_BYTES = 32
 _LONGEST_OF_A_DEVICE = 32
-"""Characters; with a number behind, a name has no more than a token's may have."""
+"""In characters: with a number appended, the name is still short enough for a token."""
 
 
 def token_key() -> bytes:
@@ -37,7 +37,7 @@ def token_key() -> bytes:
 
 
 def token_secret(key: bytes, name: str, created_at: str) -> str:
-    """Return the secret part of a token: 43 characters which cannot be guessed without the key."""
+    """Return the secret part of a token: 43 characters that nobody can guess without the key."""
     return tokens.text(hmac.digest(key, f"{name}|{created_at}".encode(), "sha256"))
 
 
@@ -48,23 +48,23 @@ def bus_certificate() -> tuple[Path, Path]:
 
 
 def certificate_der() -> bytes:
-    """Return the certificate of the bus, which is the web server's as well unless the owner gave it one."""
+    """Return the certificate of the bus. The web server uses it too, unless the owner installed another."""
     return certificates.first_der(bus_certificate()[1])
 
 
 def fingerprint_shown() -> str:
-    """Return the SHA-256 of the certificate that browsers are shown, in capital letters with colons."""
+    """Return the SHA-256 of the certificate that browsers receive, in capital letters with colons."""
     shown = home.given_credentials(*certificates.OWN_FILES) or bus_certificate()
     return hashlib.sha256(certificates.first_der(shown[1])).digest().hex(":").upper()
 
 
 def is_own_shown() -> bool:
-    """Return whether browsers are shown a certificate that the owner put there."""
+    """Return whether browsers receive a certificate that the owner installed."""
     return bool(home.given_credentials(*certificates.OWN_FILES))
 
 
 class NewToken(Struct, frozen=True, kw_only=True):
-    """A token that is shown only once, its role, and the part that its row keeps."""
+    """A new token, which is shown only once, its role, and the part that its row keeps."""
 
     token: tokens.Token
     role: TokenRole
@@ -90,7 +90,7 @@ def new_token(
 
 
 def device_name(said: str, taken: Iterable[str]) -> str:
-    """Return a token's name for a device that calls itself so: its letters and digits, and no name that is taken."""
+    """Return a free token name for a device: the letters and digits of its own name, numbered if that name is taken."""
     name = re.sub(r"[^A-Za-z0-9]+", "-", without_marks(said)).strip("-")[:_LONGEST_OF_A_DEVICE].strip("-") or "phone"
     there = {one.lower() for one in taken}
     return first_free(name, lambda one: one.lower() in there, "-")

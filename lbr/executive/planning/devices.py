@@ -1,4 +1,4 @@
-"""Devices of the rows: whose they are, what may be set, and where they are in this run. Pure."""
+"""The devices of the rows: their owners, their permitted settings, and their addresses in this run. Pure."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -17,8 +17,7 @@ from lbr.executive.planning.run_identity import RunIdentity
 
 
 def check_device_settings(rows: RobotRows, kinds: Mapping[str, Kind], *, simulated: bool) -> list[Problem]:
-    """Return what is wrong with what device rows set, for every kind that reads it, and with their twins if
-    `simulated`."""
+    """Return the faults in the settings of device rows, for kinds that read them and, in a simulation, for twins."""
     devices = [(device, f"{rows.robot.name}/{device.name}") for device in rows.devices]
     devices += [
         (faulty.row, faulty.label)
@@ -38,7 +37,7 @@ def check_device_settings(rows: RobotRows, kinds: Mapping[str, Kind], *, simulat
 
 
 def _settable(device_type: str) -> tuple[type[Struct] | None, str]:
-    """Return the settings of a device row that an emulating world accepts, or why they are not known."""
+    """Return the settings of a device row that an emulating world accepts, or why they are unknown."""
     try:
         twin = twins.find(device_type)
     except TwinError as err:
@@ -49,7 +48,7 @@ def _settable(device_type: str) -> tuple[type[Struct] | None, str]:
 def check_devices(
     rows: RobotRows, chosen: list[CapabilityRow], kinds: Mapping[str, Kind], settings: Mapping[str, Any]
 ) -> list[Problem]:
-    """Return which capabilities name a device of another type, or one that another capability has."""
+    """Return which capabilities name a device of another type, or a device that another capability owns."""
     problems = []
     devices = {device.name: device for device in rows.devices}
     owners: dict[str, str] = {}
@@ -73,8 +72,7 @@ def check_devices(
 
 
 def device_address(device: DeviceRow, kinds: Iterable[Kind], profile: Profile, site: RunIdentity, robot: str) -> str:
-    """Return where a device is in this run: its emulated twin's place if it has a twin, the profile's word, or the
-    row's."""
+    """Return the address of a device in this run: that of its emulated twin, the profile's, or the row's."""
     driver = next((kind for kind in kinds if kind.device_type == device.type), None)
     emulated = driver.device.emulated if driver is not None and driver.device is not None else "tty"
     if not profile.simulate or not (emulated == "folder" or device.type in twins.names()):

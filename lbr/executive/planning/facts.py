@@ -13,7 +13,7 @@ from lbr.why.snapshot import Channel, Facts, JointLimits, Part, Saying
 
 
 def facts(plan: Plan, profile: str = "") -> Facts:
-    """Return what there is to know of a robot's parts, also of those that are switched off."""
+    """Return the facts about a robot's parts, including those that are switched off."""
     rows = plan.rows
     given = {end for row in rows.channels for end in (row.source, row.target)}
     made = [
@@ -49,7 +49,7 @@ def facts(plan: Plan, profile: str = "") -> Facts:
 
 
 def of_bad_rows(rows: RobotRows, problems: tuple[str, ...], profile: str = "") -> Facts:
-    """Return what little there is to know of rows that make no robot."""
+    """Return the few facts that invalid rows still give."""
     parts = {
         row.name: Part(name=row.name, kind=row.kind, family="", enabled=row.enabled, needs=row.needs)
         for row in rows.capabilities

@@ -1,4 +1,4 @@
-"""The making of events by the parts of the executive."""
+"""The interface by which the executive's parts make events."""
 
 from typing import Any, Protocol
 
@@ -16,4 +16,4 @@ class Happened(Protocol):
         *,
         data: dict[str, Any] | None = None,
     ) -> None:
-        """Make it."""
+        """Make an event."""

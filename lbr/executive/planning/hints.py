@@ -1,5 +1,4 @@
-"""The oddities of rows that run all the same: inputs that nothing feeds, settings that a kind doubts, code of one's
-own."""
+"""Oddities of rows that still run: inputs that nothing feeds, settings that a kind doubts, the user's own code."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,7 +16,7 @@ FALLS = "humanoid_world"
 
 
 def hints(plan: Plan, home: Path) -> tuple[str, ...]:
-    """Return a sentence for each, with what to do; a robot starts with all of them."""
+    """Return one sentence for each oddity, with its cure; none of them keeps the robot from starting."""
     return (*_lacking(plan, home), *_of_plan(plan, home), *_unstable(plan))
 
 
@@ -54,7 +53,7 @@ def _of_plan(plan: Plan, home: Path) -> Iterator[str]:
 
 
 def _lacking(plan: Plan, home: Path) -> Iterator[str]:
-    """Say which capabilities are left out because the component that may have their kind cannot be used."""
+    """Yield which capabilities are left out because the component that may have their kind is unusable."""
     for row in plan.rows.capabilities:
         if row.enabled and row.name not in plan.kinds:
             try:
@@ -64,7 +63,7 @@ def _lacking(plan: Plan, home: Path) -> Iterator[str]:
 
 
 def _unstable(plan: Plan) -> Iterator[str]:
-    """Say which motions of a robot that can fall do not say where it stands."""
+    """Yield which motions of a robot that can fall do not declare where it stands."""
     if not any(row.kind == FALLS for row in plan.rows.capabilities):
         return
     steps = plan.rows.of(MotionStep)
@@ -77,6 +76,6 @@ def _unstable(plan: Plan) -> Iterator[str]:
 
 
 def _doubts(kind: Kind, settings: str) -> tuple[str, ...]:
-    """Return what the settings themselves find odd; those of a kind of the user's own may have a field of that name."""
+    """Return the doubts of the settings about themselves; a user's own kind may have a field of that name instead."""
     doubts = getattr(kind.settings, "doubts", None)
     return tuple(doubts(kind.parse(settings))) if isinstance(doubts, FunctionType) else ()

@@ -1,4 +1,4 @@
-"""The way of a package's robot into a database: at the database's making, at the robot's first run, or by command."""
+"""The ways of a package's robot into a database: when that is created, at the robot's first run, or by a command."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,26 +16,25 @@ from lbr.robot.registry import Found
 
 
 def judge(rows: RobotRows) -> Iterator[str]:
-    """Yield what a start would find wrong with rows, on any machine; what is not installed here is no fault of
-    theirs."""
+    """Yield the faults that a start would find in rows, on any machine; a missing installation is not a fault."""
     site = RunIdentity(home=str(home.home()), endpoints=(), secret=bytes(32))
     _, problems = planner.make(rows, Profile(robot=rows.robot.name, only=()), site)
     yield from map(str, problems)
 
 
 def create(path: Path, sql: Path | None = None) -> tuple[str, ...]:
-    """Build a new database with all robots that there are; return why some are left out."""
+    """Create a database with all installed robots; return why some are left out."""
     return store.create(path, sql, judge)
 
 
 def add(database: Database, robot: str) -> dict[str, int]:
-    """Add what a robot brings and is not there yet; return how many rows of each table."""
+    """Add the rows of a robot that are missing in the database; return their number by table."""
     return shipped.add(database, robot, judge)
 
 
 def fault(installed: Found) -> str:
-    """Return why a start would refuse the robot of a package, by what it declares, its rows or its launch profiles;
-    empty if it would not."""
+    """Return why a start would refuse a package's robot: its declaration, rows or launch profiles; empty if it is
+    fine."""
     if installed.robot is None or installed.robot.rows is None:
         return installed.fault
     problems: tuple[str, ...] = ()
@@ -47,7 +46,7 @@ def fault(installed: Found) -> str:
 
 
 def join(database: Database, robot: str) -> str:
-    """Let a robot of a package in that is not in a database yet; return what was done, for people, or nothing."""
+    """Add a package's robot to a database that lacks it; return a report for people, empty if nothing was added."""
     if robot in database.robots() or (found := registry.find(robot)) is None:
         return ""
     add(database, robot)

@@ -1,4 +1,4 @@
-"""Kinds for a robot that runs: files of the user's own are tried on a thread beside, so that none holds it up."""
+"""Kinds for a running robot. A separate thread tries the user's own files, so that they do not delay the robot."""
 
 import threading
 from collections.abc import Iterable, Mapping
@@ -11,7 +11,7 @@ from lbr.executive import beside
 
 
 class KindsBeside:
-    """Knows the kinds of a home; asked from one thread."""
+    """The kinds of a home; to be used from one thread."""
 
     def __init__(self, home: Path) -> None:
         self._home = home
@@ -19,17 +19,17 @@ class KindsBeside:
         self._thread: threading.Thread | None = None
 
     def marks(self, names: Iterable[str]) -> dict[str, str]:
-        """Return what changes when a file does, for each kind; empty for an installed one."""
+        """Return a mark for each kind that changes with its file; empty for an installed kind."""
         return {name: registry.mark(name, self._home) for name in sorted(set(names))}
 
     def try_now(self, marks: Mapping[str, str]) -> None:
-        """Find the kinds of files; it may take some seconds."""
+        """Load the kinds of files; it may take some seconds."""
         for name, mark in marks.items():
             if mark:
                 self._known[name] = mark, self._kind_of(name)
 
     def ready(self, marks: Mapping[str, str]) -> bool:
-        """Return whether all of them are known as they are now; those that are not are found beside."""
+        """Return whether all of them are known in their present state; load the others on the separate thread."""
         new = {name: mark for name, mark in marks.items() if mark and self._known.get(name, ("",))[0] != mark}
         if new and (self._thread is None or not self._thread.is_alive()):
             self._thread = beside.begin(partial(self.try_now, new), "kinds")
@@ -45,7 +45,7 @@ class KindsBeside:
         return known
 
     def forget_faults(self) -> None:
-        """Try again, at the next change, what could not be used: it may want something that is there by then."""
+        """Try unusable kinds again at the next change: whatever they lacked may be installed by then."""
         self._known = {name: one for name, one in self._known.items() if isinstance(one[1], Kind)}
 
     def _kind_of(self, name: str) -> Kind | KindError:

@@ -1,4 +1,4 @@
-"""Keeps a copy of rows that have run well for a while; beside the main loop, so that it delays nothing."""
+"""Keeps a copy of rows that have run well for a while. A separate thread writes it, so that nothing waits for that."""
 
 import os
 import threading
@@ -18,7 +18,7 @@ NOT_COPIED = "the last good rows are not copied"
 
 
 class LastGoodCopy:
-    """`trouble` hears why a copy cannot be kept, and then an empty text; from the thread that calls `step`."""
+    """Copies the database. `trouble` receives why a copy failed, or an empty text, in the thread of `step`."""
 
     def __init__(self, path: Path, trouble: Callable[[str, str], None]) -> None:
         self._path = path
@@ -26,19 +26,19 @@ class LastGoodCopy:
         self._due: float | None = None
         self._thread: threading.Thread | None = None
         self._edited = False
-        """The rows have settled: no trouble, and nothing edited since the last copy."""
+        """True if the rows were edited before the last copy, which was therefore not made."""
         self._why = ""
 
     def touched(self, now: float) -> None:
-        """Take note that the database was edited, and is well: it is copied when that has lasted for some seconds."""
+        """Note an edit with which the robot runs well: it is copied after some seconds."""
         self._due = now + RUN_WELL_S
 
     def not_well(self) -> None:
-        """Take note that what is in the database does not run: it is not copied."""
+        """Note that the rows in the database do not run: they are not copied."""
         self._due = None
 
     def step(self, now: float, digest: str) -> None:
-        """Begin a copy when it is time, and tell what became of it; `digest` is of the rows that run."""
+        """Begin a copy when it is due, and report the result of the last one; `digest` is of the rows that run."""
         if self._thread is not None:
             if self._thread.is_alive():
                 return

@@ -1,5 +1,4 @@
-"""The rows in force: the plan that runs, and how it becomes another by edits, and by what the robot learns of
-itself."""
+"""The rows in force: the plan that runs, and its changes by edits and by learnt rows."""
 
 import contextlib
 import time
@@ -33,18 +32,17 @@ from lbr.messages.unreadable import UNREADABLE
 
 LOOK_S = 0.2
 LOOK_SHARE = 5.0
-"""Looking takes at most a fifth of the main thread's time: slow reads are less frequent."""
+"""Reading takes at most a fifth of the main thread's time: slow reads are less frequent."""
 PROBLEMS_TOLD = 3
-"""The number of problems of an edit that are reported; a joint's limit alone may be in the way of a dozen key frames.
-"""
+"""The number of problems of an edit that are reported; a joint's limit alone may conflict with a dozen key frames."""
 
 
 class LiveRows(Service):
     """The rows in force: `plan` runs, and `vocabulary` are its words.
 
-    `problems` and their `code` are why an edit is not in force. While it is `held`, edits wait. `processes` carry out
-    another plan, and go on with what they learnt. By `plugging` they receive more emulated devices, or other rows.
-    `publish(plan)` publishes how to reach the robot.
+    `problems` and their `code` explain why an edit is not in force. While the rows are `held`, edits wait. `processes`
+    carry out a new plan, and keep the rows that they learnt. `plugging` gives them more emulated devices, or other
+    rows. `publish(plan)` publishes how to reach the robot.
     """
 
     def __init__(
@@ -73,7 +71,7 @@ class LiveRows(Service):
         self._look_at = 0.0
 
     def step(self, now: float) -> float:
-        """Look at the rows when due, and keep a copy of good ones; return when to call again."""
+        """Look at the rows when due, and copy good ones; return when to call again."""
         self._keeper.step(now, self.plan.rows.digest)
         if now >= self._look_at:
             self.look()
@@ -81,24 +79,23 @@ class LiveRows(Service):
         return self._look_at
 
     def soon(self) -> None:
-        """Look at the rows in the next turn, because some were written."""
+        """Look at the rows in the next turn, because this process has written some."""
         self._look_at = 0.0
 
     def well(self) -> None:
-        """Note that the robot runs well: after some seconds its rows are copied."""
+        """Note that the robot runs well: its rows are copied after some seconds."""
         self._keeper.touched(time.monotonic())
 
     def planned(self, rows: RobotRows) -> tuple[Plan | None, tuple[Problem, ...]]:
-        """Return the plan for rows that are not written yet, and their problems; from any thread."""
+        """Return the plan for rows that are not written yet, and their problems; may be called from any thread."""
         return self._watch.planned(rows, self.plan)
 
     def judge(self, rows: RobotRows) -> tuple[Problem, ...]:
-        """Return the problems of rows that are not written yet; from any thread."""
+        """Return the problems of rows that are not written yet; may be called from any thread."""
         return self.planned(rows)[1]
 
     def look(self) -> None:
-        """Adopt what was edited, or say why not; not while an edit is being written on request. Judge what is on
-        trial."""
+        """Adopt an edit, or report why not; wait while an edit is being written on request. Judge rows on trial."""
         self._look()
         on = self._trials.on
         self._trials.look(self.plan.robot, self.plan.rows.revision, self.problems)
@@ -130,14 +127,14 @@ class LiveRows(Service):
             self._adopt(news.plan, news.change, news.edited or "a capability's file")
 
     def adopted(self) -> dict[str, Any]:
-        """Write down that the plan's rows run, and return which they are."""
+        """Record that the plan's rows run, and return their revision and digest."""
         rows = self.plan.rows
         with contextlib.suppress(LbrError):
             self._database.adopt(rows)
         return {"revision": rows.revision, "rows": rows.digest}
 
     def learnt(self, name: str, told: Mapping[str, Raw]) -> None:
-        """Write down what a capability has learnt; it goes on with it already, and is not restarted for it."""
+        """Store the rows that a capability has learnt. It uses them already, so it is not restarted."""
         rows = self._may_learn(name, told) if name in self.plan.units else ()
         if not rows:
             return
@@ -151,7 +148,7 @@ class LiveRows(Service):
         self._keep(plans.learnt(self.plan, name, by_table(rows)), name)
 
     def _may_learn(self, name: str, learnt: Mapping[str, Raw]) -> tuple[Row, ...]:
-        """Return the rows of those told that the capability's kind may write; the others are told of."""
+        """Return the learnt rows that the capability's kind may write; report a refusal if they are unreadable."""
         kind, config, known = self.plan.kinds[name], self.plan.units[name].config, self._known(name)
         allowed: list[Row] = []
         try:
@@ -165,17 +162,16 @@ class LiveRows(Service):
         return tuple(allowed)
 
     def knows(self, name: str, rows: Collection[Row]) -> None:
-        """Take note that a capability has rows already that are written, and is not restarted for them; unless it is
-        gone."""
+        """Note stored rows that a running capability has already, so that it is not restarted for them."""
         if name in self.plan.units:
             self._keep(plans.learnt(self.plan, name, by_table(rows)), name)
 
     def look_again(self) -> None:
-        """Read the rows at the next look: this process wrote some."""
+        """Read the rows at the next look: this process has written some."""
         self._watch.look_again()
 
     def _known(self, name: str) -> dict[RowKey, Any]:
-        """Return the rows of a capability, by table and key; without those that its profile replaces."""
+        """Return the rows of a capability by table and key, except those that its profile replaces."""
         measured = {value.device for value in self.plan.rows.of(CalibrationValue)}
         return {
             (table, tuple(row[column] for column in row_set.key)): row
@@ -216,8 +212,7 @@ class LiveRows(Service):
 
 
 def _whole(row: type[Row], told: Raw, known: Mapping[RowKey, Any]) -> Iterator[Row]:
-    """Yield what was learnt as whole rows: of a row that is known only what changes is told; one that is gone stays
-    so."""
+    """Yield learnt rows as whole rows: only changes of known rows are reported, and deleted rows stay deleted."""
     for one in msgspec.json.decode(told, type=list[dict[str, Any]]):
         before = known.get((row.TABLE, tuple(one.get(column) for column in row.KEY)), {})
         if before or one.keys() >= set(row.__struct_fields__):

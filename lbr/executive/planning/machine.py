@@ -1,4 +1,4 @@
-"""The limits of this machine: a plan that it cannot run is refused before anything starts."""
+"""The limits of this machine: a plan that exceeds them is refused before anything starts."""
 
 import contextlib
 import os
@@ -14,23 +14,23 @@ from lbr.database.rows import CapabilityRow
 from lbr.executive.planning.profile import Profile
 
 MOST_CAPABILITIES = 100
-"""Four times the largest robot there is. On two busy cores, 88 with little to do were ready after 20 s, and while they
-started each of 517 stops was answered within 0.42 s. Ninety that hear every stream are more than the bus carries
-there."""
+"""Four times the largest robot.
+
+On two busy cores, 88 idle capabilities were ready after 20 s; each of 517 stops meanwhile was answered within 0.42 s.
+Ninety that receive every stream exceed the capacity of the bus there.
+"""
 FILES_EACH, FILES_BESIDE = 12, 100
-"""The most that the executive holds open for a capability: its pipes, its links, its share of routers; and for
-itself."""
+"""The most files that the executive opens for one capability (pipes, links, share of routers), and for itself."""
 FILES_WANTED = 2048
-"""For a full robot, and for all who look at it besides."""
+"""Enough for a full robot and everyone who watches it."""
 MEMORY_EACH_MB = 16
-"""The memory of a driver or an operation by itself; few capabilities have less."""
+"""The memory of a bare driver or operation; few capabilities use less."""
 STARTING_PER_CORE = 3
-"""More that start at a time are no sooner ready, and hold up what runs."""
+"""More at a time are not ready sooner, and delay the capabilities that run."""
 
 
 class Machine(Struct, frozen=True):
-    """At most `most` capabilities, for the reason `bound`; `lacks(kind)` says what a kind needs that is not
-    installed."""
+    """Runs at most `most` capabilities, for the reason `bound`; `lacks(kind)` names a kind's missing packages."""
 
     most: int = MOST_CAPABILITIES
     bound: str = f"one machine runs at most {MOST_CAPABILITIES}"
@@ -43,7 +43,7 @@ ANY = Machine()
 def problems(
     robot: str, chosen: Iterable[CapabilityRow], kinds: Mapping[str, Kind], profile: Profile, machine: Machine
 ) -> list[Problem]:
-    """Return why what was chosen cannot run: too much for a machine, or something is not installed. Pure."""
+    """Return why the chosen capabilities cannot run: they exceed the machine, or something is not installed. Pure."""
     chosen = list(chosen)
     local_rows = [row for row in chosen if not profile.host_of(row.name)]
     lacking = [(row, machine.lacks(kinds[row.name])) for row in local_rows]
@@ -63,7 +63,7 @@ def problems(
 
 
 def processes(rows: Iterable[CapabilityRow], names: Container[str]) -> int:
-    """Return how many processes the capabilities of these names are."""
+    """Return how many processes these capabilities need."""
     return len({row.process or f"{row.name} alone" for row in rows if row.name in names})
 
 
@@ -73,7 +73,7 @@ def _too_many(robot: str, count: int, bound: str) -> Problem:
 
 
 def this_machine(running: int) -> Machine:
-    """Return what this machine can run, `running` processes of the robot included."""
+    """Return the limits of this machine, on which `running` processes of the robot already run."""
     most, bound = min(
         (MOST_CAPABILITIES, ANY.bound),
         _by_files(),
@@ -84,7 +84,7 @@ def this_machine(running: int) -> Machine:
 
 
 def raise_limits() -> None:
-    """Have the kernel allow this process as many open files as a full robot needs, as far as it may."""
+    """Raise this process's limit of open files to what a full robot needs, as far as the kernel permits."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     wanted = FILES_WANTED if hard == resource.RLIM_INFINITY else min(FILES_WANTED, hard)
     if soft != resource.RLIM_INFINITY and soft < wanted:
@@ -111,5 +111,5 @@ def _by_memory(running: int) -> tuple[int, str]:
 
 
 def at_once() -> int:
-    """Return how many processes of a robot may start at a time on this machine."""
+    """Return how many processes of a robot may start at the same time on this machine."""
     return STARTING_PER_CORE * len(os.sched_getaffinity(0))

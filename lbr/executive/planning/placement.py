@@ -1,4 +1,4 @@
-"""Which of a robot's processes another machine runs: what a profile may place there, and what stays. Pure."""
+"""The rules for running a robot's processes on another machine: which a profile may place there. Pure."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -14,7 +14,7 @@ _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
 
 def problems(rows: RobotRows, kinds: Mapping[str, Kind], profile: Profile) -> list[Problem]:
-    """Return what is wrong with the hosts of a profile."""
+    """Return the faults in the hosts of a profile."""
     return [
         Problem("profile", profile.robot, f"hosts.{host}" if host else "plugged_in_elsewhere", text)
         for host, text in _misplaced(rows, kinds, profile)

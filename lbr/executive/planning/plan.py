@@ -16,7 +16,7 @@ from lbr.messages.rows import RowsChanged
 
 
 class Plan(Struct, frozen=True, kw_only=True):
-    """The processes of a robot in start order, and the rows they came from, with the verbs that kinds bring."""
+    """The processes of a robot in start order, the rows they came from, and the verbs of their kinds."""
 
     robot: str
     units: dict[str, ProcessSpec]
@@ -25,17 +25,16 @@ class Plan(Struct, frozen=True, kw_only=True):
 
     @property
     def local_units(self) -> dict[str, ProcessSpec]:
-        """Return what runs on the robot's own host."""
+        """Return the processes that run on the robot's own host."""
         return {name: unit for name, unit in self.units.items() if not unit.config.host}
 
     @property
     def lan(self) -> tuple[str, ...]:
-        """The endpoints at which other machines connect."""
+        """Return the endpoints at which other machines connect."""
         return tuple(endpoint for unit in self.units.values() if unit.lan is not None for endpoint in unit.lan.listen)
 
     def log(self, name: str) -> str:
-        """Return the log of a capability, an external command or the executive; empty if there is nothing of that
-        name."""
+        """Return the log of a capability, an external command or the executive; empty for an unknown name."""
         if name in self.units:
             return self.units[name].log
         if name in self.kinds or name == EXECUTIVE:
@@ -43,11 +42,11 @@ class Plan(Struct, frozen=True, kw_only=True):
         return f"{name}.log" if any(row.name == name for row in self.rows.external_commands) else ""
 
     def commands(self, name: str) -> tuple[str, ...]:
-        """Return what a unit can be asked for."""
+        """Return the commands that a process accepts."""
         return commands_of(self.units[name], self.kinds[name])
 
     def stoppable(self) -> tuple[str, ...]:
-        """Return the units that move something and can be told to stop: of their kind, or programs that take a stop."""
+        """Return the processes that move something and accept a stop: movers, and programs with that command."""
         moving = (name for name, unit in self.units.items() if unit.moves or unit.program is not None)
         return tuple(name for name in moving if STOP in self.commands(name))
 
@@ -76,7 +75,7 @@ class Change(Struct, frozen=True, kw_only=True):
 
 
 def difference(before: Plan, after: Plan) -> Change:
-    """Return what has to start, stop and restart to get from one plan to another, and nothing else."""
+    """Return the fewest starts, stops and restarts that lead from one plan to another."""
     changed = [name for name, unit in after.units.items() if name in before.units and unit != before.units[name]]
     plug = tuple(
         name
@@ -96,14 +95,13 @@ def difference(before: Plan, after: Plan) -> Change:
 
 
 def changed_rows(before: ProcessSpec, after: ProcessSpec) -> RowsChanged | None:
-    """Return what is another in the rows that a unit reads; None if anything else of it is changed, or it runs
-    elsewhere."""
+    """Return the changes of the rows that a process reads; None if anything else has changed, or it runs elsewhere."""
     same = replace(after, config=replace(after.config, rows=before.config.rows)) == before
     return row_sets.changed(before.config.rows, after.config.rows) if same and not after.config.host else None
 
 
 def added_devices(former: ProcessSpec, unit: ProcessSpec) -> tuple[DeviceConfig, ...]:
-    """Return the devices that a unit on the robot's own host has got; none if anything else of it is changed, too."""
+    """Return the devices added to a process on the robot's own host; empty if anything else has changed, too."""
     before = former.config.devices
     added = tuple(device for device in unit.config.devices if device not in before)
     kept = tuple(device for device in unit.config.devices if device in before)
@@ -112,7 +110,7 @@ def added_devices(former: ProcessSpec, unit: ProcessSpec) -> tuple[DeviceConfig,
 
 
 def only(change: Change, names: Container[str]) -> Change:
-    """Return the part of a change that concerns these."""
+    """Return the part of a change that concerns these processes."""
     start, stop, restart, plug, follow = (
         tuple(name for name in part if name in names)
         for part in (change.start, change.stop, change.restart, change.plug, change.follow)
@@ -121,5 +119,5 @@ def only(change: Change, names: Container[str]) -> Change:
 
 
 def learnt(plan: Plan, name: str, rows: Mapping[str, msgspec.Raw]) -> Plan:
-    """Return the plan with a unit that has these rows already: a database that says the same does not restart it."""
+    """Return the plan with learnt rows in a process, so that the same rows in the database do not restart it."""
     return replace(plan, units={**plan.units, name: with_learnt(plan.units[name], rows)})

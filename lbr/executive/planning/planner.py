@@ -1,4 +1,4 @@
-"""From rows to a plan of what should run. Pure; tells all problems at once."""
+"""From rows to a plan of the processes. Pure; reports all problems at once."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
@@ -43,8 +43,8 @@ def make(
 ) -> tuple[Plan | None, tuple[Problem, ...]]:
     """Return the plan, or None and all problems of the rows and of this machine.
 
-    At a start, a capability is left out if its kind may belong to a broken component. After rows `before`, only a
-    capability that these have is left out: the kind of a new one must load.
+    At a start, a capability is left out if its kind may belong to a broken component. Once rows `before` have run, only
+    a capability in them may be left out: the kind of a new one must load.
     """
     known = cache(partial(_find, find, Path(site.home)))
     rows = _listening(rows, (*profile.listen, *site.listen))
@@ -79,7 +79,7 @@ def make(
     if problems:
         return None, tuple(problems)
     rows = replace(rows, verbs=words.words(rows, kinds))
-    whole = all(row.name in kinds for row in rows.capabilities)  # else a word may be of a kind that is left out
+    whole = all(row.name in kinds for row in rows.capabilities)  # else a word's kind may be left out
     if whole and (wrong := tuple(said.problems(rows, kinds, settings))):
         return None, wrong
     order = _order(chosen)
@@ -98,7 +98,7 @@ def make(
 def with_tokens(
     plan: Plan, tokens: tuple[TokenRow, ...], profile: Profile, site: RunIdentity, on: Machine
 ) -> Plan | None:
-    """Return the plan with other tokens and nothing else, whatever has become of the files of its kinds meanwhile."""
+    """Return the plan with new tokens and nothing else, even if the files of its kinds have changed."""
     kinds = {kind.name: kind for kind in plan.kinds.values()}
 
     def find(name: str, _home: Path) -> Kind:
@@ -119,7 +119,7 @@ def _of_the_same_file(unit: ProcessSpec, before: ProcessSpec) -> ProcessSpec:
 
 
 def _listening(rows: RobotRows, listen: tuple[str, ...]) -> RobotRows:
-    """Return the rows with a door to other machines that listens as this run was told to."""
+    """Return the rows with a door to other machines that listens at the endpoints of this run."""
     if not listen:
         return rows
     settings = msgspec.json.encode({"listen": listen}).decode()
@@ -129,7 +129,7 @@ def _listening(rows: RobotRows, listen: tuple[str, ...]) -> RobotRows:
 
 
 def _find(find: Find, home: Path, kind: str) -> Kind | Exception:
-    """Return a kind, or why it cannot be used: several rows of one kind ask once."""
+    """Return a kind, or why it is unusable; the result is cached, as several rows may have one kind."""
     try:
         return find(kind, home)
     except (KindError, OSError) as err:
@@ -139,8 +139,7 @@ def _find(find: Find, home: Path, kind: str) -> Kind | Exception:
 def _understand(
     row: CapabilityRow, label: str, known: Callable[[str], Kind | Exception], bad: AbstractSet[str], *, may_lack: bool
 ) -> tuple[Kind | None, Any, list[Problem]]:
-    """Return a capability's kind and settings, as far as its columns are not bad already, and what is wrong with
-    them."""
+    """Return a capability's kind and settings, as far as its columns are valid, and the faults in them."""
     if row.name == EXECUTIVE and "name" not in bad:
         text = "'executive' is the runtime itself; choose another"
         return None, None, [Problem("capability", label, "name", text)]
@@ -148,9 +147,9 @@ def _understand(
         return None, None, []
     kind = known(row.kind)
     if isinstance(kind, Exception):
-        without = may_lack and isinstance(kind, LackingError)  # the robot runs without it
+        without = may_lack and isinstance(kind, LackingError)  # the robot runs without this capability
         return None, None, [] if without else [Problem("capability", label, "kind", str(kind))]
-    if "settings" in bad:  # by a device that is not there, perhaps, and in more
+    if "settings" in bad:  # a device may be missing; report the other faults, too
         return kind, None, _more(row, kind, label)
     try:
         return kind, kind.parse(row.settings), []
@@ -160,7 +159,7 @@ def _understand(
 
 
 def _more(row: CapabilityRow, kind: Kind, label: str) -> list[Problem]:
-    """Return all that fields of settings have against them, as far as the settings are JSON at all."""
+    """Return all faults in the fields of settings, as long as these are JSON."""
     try:
         found = faults(kind.settings, json_strictly(row.settings))
     except (ValueError, *UNREADABLE):
@@ -169,7 +168,7 @@ def _more(row: CapabilityRow, kind: Kind, label: str) -> list[Problem]:
 
 
 def _named(rows: RobotRows) -> Iterator[tuple[CapabilityRow, str, AbstractSet[str]]]:
-    """Yield every capability with its label and its bad columns, also those that are left out."""
+    """Yield every capability with its label and its bad columns, including those that are left out."""
     for row in rows.capabilities:
         yield row, f"{rows.robot.name}/{row.name}", frozenset()
     for one in rows.faulty:
@@ -185,7 +184,7 @@ def _runs(row: CapabilityRow, kind: Kind, profile: Profile) -> bool:
 
 
 def _check_tables(rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[Problem]:
-    """Yield what is wrong with the rows that kinds read, each once."""
+    """Yield the faults in the rows that kinds read, each once."""
     readers = {read.row: name for name, kind in kinds.items() for read in kind.reads}
     for row in sorted((registry.tables() | readers.keys()) - {LanUser, TokenRight}, key=lambda row: row.TABLE):
         if row.TABLE in rows.tables:
@@ -218,13 +217,13 @@ def _check_profile(rows: RobotRows, profile: Profile) -> list[Problem]:
 
 
 def _after_the_world(chosen: list[CapabilityRow], kinds: Mapping[str, Kind]) -> list[CapabilityRow]:
-    """Let every driver need the simulation that emulates its device, where there is one."""
+    """Make every driver depend on the simulation that emulates its device, where one exists."""
     worlds = tuple(row.name for row in chosen if kinds[row.name].family == "simulation")
     return [replace(row, needs=(*row.needs, *worlds)) if kinds[row.name].device else row for row in chosen]
 
 
 def _order(chosen: Iterable[CapabilityRow]) -> list[str]:
-    """Return the names so that everything comes after what it needs; the database refuses needs in a ring."""
+    """Return the names so that each follows its dependencies; the database refuses circular ones."""
     order: list[str] = []
     waiting = {row.name: row for row in chosen}
     while waiting:

@@ -1,4 +1,4 @@
-"""From a row to the one document that its process gets: settings, wiring, devices, ways onto the bus. Pure."""
+"""From a row to the document of its process: settings, wiring, devices, connections to the bus. Pure."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
@@ -29,7 +29,7 @@ from lbr.messages.rows import Row, RowSet, row_set, with_rows
 
 
 class ProcessSpec(Struct, frozen=True, kw_only=True):
-    """One process of the plan; two equal units need no restart. `lan` is for the door to other machines alone."""
+    """One process of the plan; two equal specs need no restart. Only the door to other machines uses `lan`."""
 
     name: str
     kind: str
@@ -47,7 +47,7 @@ class ProcessSpec(Struct, frozen=True, kw_only=True):
 
     @property
     def process(self) -> str:
-        """The name of its process: the shared one, or its own."""
+        """Return the name of its process: a shared one, or its own."""
         return self.config.process or self.name
 
     @property
@@ -57,7 +57,7 @@ class ProcessSpec(Struct, frozen=True, kw_only=True):
 
     @property
     def guarded(self) -> bool:
-        """Return whether it may leave a guard behind, which has the last word on its line."""
+        """Return whether it may leave a guard behind, which sends the last command on its line."""
         return self.family == "driver" and self.program is None
 
 
@@ -71,7 +71,7 @@ def unit(
     site: RunIdentity,
     running: set[str],
 ) -> ProcessSpec:
-    """Return the process of a capability row, wired by `channels` to those that run."""
+    """Return the process of a capability row, wired by `channels` to the capabilities that run."""
     kind = kinds[row.name]
     robot, host = rows.robot.name, profile.host_of(row.name)
     process = "" if host else row.process
@@ -131,9 +131,9 @@ def with_lan(
     site: RunIdentity,
     rights: Mapping[str, Rights],
 ) -> ProcessSpec:
-    """Return the unit; the door to other machines gets to know whom it may let in, and to what.
+    """Return the unit; the door to other machines receives its users and their rights.
 
-    `rights` are those of the processes that run on other machines.
+    `rights` are those of the processes on other machines.
     """
     if unit.kind != LAN:
         return unit
@@ -170,12 +170,12 @@ def with_lan(
 
 
 def with_learnt(unit: ProcessSpec, rows: Mapping[str, msgspec.Raw]) -> ProcessSpec:
-    """Return a unit that has these rows already, by table, as far as it reads such."""
+    """Return a process that already has these rows, by table, if it reads such tables."""
     return replace(unit, config=replace(unit.config, rows=with_rows(unit.config.rows, rows)))
 
 
 def read_by(read: Read, settings: Any, rows: Iterable[Row]) -> tuple[Row, ...]:
-    """Return those of a table's rows that a kind gets with such settings."""
+    """Return the rows of a table that a kind receives with such settings."""
     wanted = {column: getattr(settings, setting) for column, setting in read.where.items()}
     return tuple(row for row in rows if all(_fits(getattr(row, column), value) for column, value in wanted.items()))
 
@@ -185,7 +185,7 @@ def _fits(column: Any, setting: Any) -> bool:
 
 
 def commands_of(unit: ProcessSpec, kind: Kind) -> tuple[str, ...]:
-    """Return what a unit can be asked for."""
+    """Return the commands that a process accepts."""
     return tuple(unit.program.commands if unit.program is not None else kind.commands)
 
 
@@ -195,13 +195,12 @@ def streams_of(robot: str, units: Iterable[ProcessSpec]) -> tuple[str, ...]:
 
 
 def _put(units: Iterable[ProcessSpec]) -> Iterator[tuple[ProcessSpec, str]]:
-    """Yield the keys on which units put anything: streams, and setpoints for others."""
+    """Yield every key to which processes publish: streams, and setpoints for others."""
     return ((unit, wire.key) for unit in units for wires in unit.config.outputs.values() for wire in wires)
 
 
 def _read(read: Read, settings: Any, rows: RobotRows, site: RunIdentity, profile: Profile) -> RowSet:
-    """Return the rows of a table that a kind reads; users come with the secrets that their tokens must fit, rights
-    without."""
+    """Return the rows of a table that a kind reads: users with the secrets of their tokens, rights without."""
     if read.row is LanUser:
         return row_set(read.row, _users(rows, site, "web"))
     if read.row is TokenRight:
@@ -212,7 +211,7 @@ def _read(read: Read, settings: Any, rows: RobotRows, site: RunIdentity, profile
 
 
 def _calibration(rows: Iterable[CalibrationValue], profile: Profile) -> tuple[CalibrationValue, ...]:
-    """Return the calibration of the rows, and of the profile for devices that have none there."""
+    """Return the calibration in the rows, and the profile's for devices without such rows."""
     known = tuple(rows)
     measured = {row.device for row in known}
     return known + tuple(
@@ -224,7 +223,7 @@ def _calibration(rows: Iterable[CalibrationValue], profile: Profile) -> tuple[Ca
 
 
 def _users(rows: RobotRows, site: RunIdentity, door: Literal["bus", "web"]) -> tuple[LanUser, ...]:
-    """Return the tokens that may come in there; a token for the other way in is not even known to this one."""
+    """Return the tokens that are valid for a door; it does not even learn about those for the other door."""
     return tuple(
         LanUser(name=t.name, role=t.role, hash=t.hash, secret=token_secret(site.token_key, t.name, t.created_at))
         for t in rows.tokens
@@ -233,7 +232,7 @@ def _users(rows: RobotRows, site: RunIdentity, door: Literal["bus", "web"]) -> t
 
 
 def _guest(host: str, name: str, rows: RobotRows, site: RunIdentity) -> Credentials | None:
-    """Return how a process on another machine proves itself: void with the token of its host."""
+    """Return the credentials of a process on another machine, which become invalid with its host's token."""
     token = next((one for one in rows.tokens if one.name == host and one.role == "host" and one.lets_in("bus")), None)
     if token is None:
         return None
@@ -242,7 +241,7 @@ def _guest(host: str, name: str, rows: RobotRows, site: RunIdentity) -> Credenti
 
 
 def _compact(settings: str) -> msgspec.Raw:
-    """Return the settings without white space: the document is one line, and spaces restart nothing."""
+    """Return the settings without white space: the document is one line, and white space restarts nothing."""
     return msgspec.Raw(msgspec.json.encode(msgspec.json.decode(settings)))
 
 
@@ -298,6 +297,5 @@ def _requests(
 
 
 def _of_executive(robot: str) -> dict[str, str]:
-    """Return the key of each command that the executive takes from capabilities; of lines those that anyone here may
-    say."""
+    """Return the keys of the executive's commands for capabilities, and of lines with the role `operate`."""
     return {"edit": keys.edit(robot), "estop_reset": keys.estop_reset(robot), "line": keys.console(robot)}

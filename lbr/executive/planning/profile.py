@@ -1,5 +1,4 @@
-"""Launch profiles: which robot of the database runs, where its parts do, whether it is simulated, and on what
-devices."""
+"""Launch profiles: which robot runs, where its parts run, whether it is simulated, and on which devices."""
 
 import os
 from collections.abc import Iterator
@@ -27,7 +26,7 @@ class Profile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     `calibration` holds the values of devices that have no row of that table, such as those that a simulated world made.
 
-    `hosts` says which capabilities another machine runs, by that host's name; `plugged_in_elsewhere` which of them own
+    `hosts` lists the capabilities on other machines, by the host's name; `plugged_in_elsewhere` those of them that own
     a device there.
     """
 
@@ -44,12 +43,12 @@ class Profile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     plugged_in_elsewhere: tuple[str, ...] = ()
 
     def host_of(self, name: str) -> str:
-        """Return the other machine that runs a capability; empty: the robot's own does."""
+        """Return the other machine that runs a capability; empty for the robot's own."""
         return next((host for host, names in self.hosts.items() if name in names), "")
 
 
 _KEYED: dict[str, Any] = {"processes": str, "devices": str, "calibration": dict[str, float], "hosts": tuple[str, ...]}
-"""Fields whose keys are names, and what is at each."""
+"""Fields whose keys are names, with the type of their values."""
 
 
 def names() -> list[str]:
@@ -58,7 +57,7 @@ def names() -> list[str]:
 
 
 def of_robot(installed: Found) -> list[str]:
-    """Return the names of a robot's profiles; one that brings none of its own name runs as its rows say."""
+    """Return the names of a robot's profiles; a robot without one of its own name also runs as its rows say."""
     if installed.robot is None:
         return []
     brought = list(registry.profiles(installed.robot))
@@ -67,7 +66,7 @@ def of_robot(installed: Found) -> list[str]:
 
 
 def load(name: str) -> Profile:
-    """Return a profile that comes with a robot by name, or one of your own by path; InputError says what there is."""
+    """Return a robot's profile by name, or one of your own by path; raise InputError listing the profiles there are."""
     if name.endswith(".toml") or os.sep in name:
         return _read(Path(name))
     for installed in registry.of_profile(name):
@@ -87,7 +86,7 @@ def load(name: str) -> Profile:
 
 
 def faults(installed: Found) -> Iterator[str]:
-    """Yield why profiles that a robot brings are refused."""
+    """Yield the reasons for which a robot's profiles are refused."""
     for path in registry.profiles(installed.robot).values() if installed.robot is not None else ():
         try:
             _own(installed, path)
@@ -120,7 +119,7 @@ def _read(path: Path) -> Profile:
 
 
 def _with_key(complaint: str, text: str) -> str:
-    """Return what msgspec says against a profile, with the key that it calls `[...]`."""
+    """Return msgspec's complaint about a profile, with the key in place of `[...]`."""
     for field, kind in _KEYED.items():
         if f"$.{field}[...]" in complaint:
             for key, value in msgspec.toml.decode(text)[field].items():

@@ -1,4 +1,4 @@
-"""From the plan to the bus's access control: who may put, ask and answer what. Pure."""
+"""From the plan to the access rules of the bus: who may publish, ask and answer what. Pure."""
 
 from collections.abc import Iterable
 from typing import get_args
@@ -12,7 +12,7 @@ from lbr.messages.system import Role
 
 
 def of_unit(plan: Plan, unit: ProcessSpec) -> dict[str, Rights]:
-    """Return the users that a process needs on the bus, and what each may do: what its rows wire, and no more."""
+    """Return the bus users that a process needs, and their rights: those that its rows wire, and no others."""
     users = {sharing.user(unit.name, unit.config.process): _of_process(plan, unit)}
     if unit.lan is not None:
         users[unit.lan.link.user] = _of_lan(plan, unit)
@@ -20,15 +20,16 @@ def of_unit(plan: Plan, unit: ProcessSpec) -> dict[str, Rights]:
 
 
 def of_guest(plan: Plan, unit: ProcessSpec) -> Rights:
-    """Return what a process on another machine may do at the door there."""
+    """Return the rights of a process on another machine at the door there."""
     return _of_process(plan, unit)
 
 
 def of_local(plan: Plan) -> Rights:
-    """Return what any user of the robot's socket may do, without a password: look, and operate.
+    """Return the rights of any user of the robot's socket, without a password: to look, and to operate.
 
-    Setpoints may be put, and their receiver refuses them aloud: they lack the seal. Streams may not. Permitted puts are
-    named key by key: a wildcard would let pass every other wildcard, and by that all that a row denies.
+    The user may publish setpoints, but their receiver refuses them with a report, as they lack the seal; streams may
+    not be published. Permitted keys are listed one by one: a wildcard would also permit every other wildcard, and with
+    it all that a row denies.
     """
     robot = plan.robot
     return Rights(
@@ -48,12 +49,12 @@ def of_local(plan: Plan) -> Rights:
 
 
 def looked_at(plan: Plan) -> tuple[str, ...]:
-    """Return what is only looked at: a look that comes to nothing can be repeated, and delays nothing."""
+    """Return what is only looked at: a failed query can be repeated, and delays nothing."""
     return (*plan.streams(), *keys.looked_at(plan.robot))
 
 
 def _command_keys(plan: Plan) -> Iterable[str]:
-    """Return every key on which a capability takes commands or setpoints, also one whose row is off now."""
+    """Return every key on which a capability accepts commands or setpoints, even if its row is off now."""
     kinds = plan.kinds.items()
     declared = {keys.port(plan.robot, name, port) for name, kind in kinds for port in (*kind.commands, *kind.setpoints)}
     running = {keys.port(plan.robot, name, command) for name in plan.units for command in plan.commands(name)}
@@ -89,9 +90,9 @@ def _of_process(plan: Plan, unit: ProcessSpec) -> Rights:
 
 
 def _for_people(robot: str) -> Rights:
-    """Return what a server for people may do in their names: look at everything, ask for any command, say any line.
+    """Return the rights of a server for people: to look at everything, to send any command and any line in their names.
 
-    By wildcards, so that a capability that an edit adds needs no other rights; no wildcard passes by keys with an `@`.
+    They are wildcards, so that an edit can add a capability without new rights. No wildcard matches keys with an `@`.
     """
     consoles = tuple(keys.console_of_pages(robot, role) for role in get_args(Role))
     return Rights(
@@ -101,8 +102,7 @@ def _for_people(robot: str) -> Rights:
 
 
 def _to_record(robot: str) -> Rights:
-    """Return what a recorder may do: hear all streams and lines, ask what the robot is, and cameras for their newest
-    picture."""
+    """Return the rights of a recorder: to receive all streams and lines, and to ask for description and pictures."""
     return Rights(
         ask=(f"{robot}/*/frame", keys.console(robot, "view")),
         hear=(f"{robot}/**", keys.status(robot), keys.event(robot), keys.taped(robot, "*")),
@@ -110,10 +110,10 @@ def _to_record(robot: str) -> Rights:
 
 
 def _of_lan(plan: Plan, unit: ProcessSpec) -> Rights:
-    """Return what may come in from other machines without passing the relay: looking, and stopping.
+    """Return the rights of other machines without the relay: to look, and to stop.
 
-    So may what processes say that run there, but for what they ask of others: that is relayed. Permitted subscriptions
-    are named key by key: all others that a client declares end at the door, and hold up no other router.
+    The robot's processes there also publish without it; only their requests to others are relayed. Permitted
+    subscriptions are listed key by key: all others that a client declares end at the door, and delay no other router.
     """
     assert unit.lan is not None
     robot, lan = plan.robot, unit.lan

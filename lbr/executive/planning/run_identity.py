@@ -1,4 +1,4 @@
-"""Where a run is, and what all its names, seals and passwords are made from."""
+"""The identity of a run: its places, and the secret from which its names, seals and passwords are derived."""
 
 from hashlib import blake2b
 
@@ -10,7 +10,7 @@ from lbr.bus.access import Credentials
 class RunIdentity(Struct, frozen=True, kw_only=True):
     """The facts of this run that a plan needs: its places, and the secret of its seals and passwords.
 
-    `listen` are endpoints for other machines that were asked for at the command line.
+    `listen` are the endpoints for other machines from the command line.
     """
 
     home: str
@@ -24,9 +24,9 @@ class RunIdentity(Struct, frozen=True, kw_only=True):
         return blake2b(key.encode(), key=self.secret, digest_size=32).hexdigest()
 
     def router_id(self, name: str) -> str:
-        """Return the session id of one of this run's routers, by which the others know it."""
-        return f"1{self.seal(f'router {name}')[:15]}"  # one that begins with 0 is no id
+        """Return the session id of one of this run's routers; the other routers know it by that."""
+        return f"1{self.seal(f'router {name}')[:15]}"  # an id must not begin with 0
 
     def credentials(self, user: str) -> Credentials:
-        """Return how a process proves itself on the bus, the same for every plan of this run."""
+        """Return the credentials of a process on the bus, the same for every plan of this run."""
         return Credentials(user=user, password=self.seal(f"password of {user}"))

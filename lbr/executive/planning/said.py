@@ -1,5 +1,4 @@
-"""Lines that rows have capabilities say, such as a gamepad's buttons: each is one that the robot understands, for its
-role."""
+"""Lines that capabilities send, such as a gamepad's buttons: the robot must know each of them, for its role."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -16,13 +15,13 @@ LINE = f"{EXECUTIVE}.line"
 
 
 def vocabulary(rows: RobotRows, kinds: Mapping[str, Kind]) -> Vocabulary:
-    """Return what can be said to a robot, whose rows have the words of its kinds, too."""
+    """Return the vocabulary of a robot, whose rows include the words of its kinds."""
     messages = {f"{name}.{command}": kind for name in kinds for command, kind in kinds[name].messages.items()}
     return Vocabulary(rows.verbs, rows.external_commands, messages, least_roles(kinds))
 
 
 def problems(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, Any]) -> Iterator[Problem]:
-    """Yield what is wrong with each line that a capability is to say."""
+    """Yield the faults in the lines that capabilities send."""
     words = vocabulary(rows, kinds)
     wired = {row.source_end for row in rows.channels if row.enabled and row.target == LINE}
     for name, kind in kinds.items():
@@ -39,7 +38,7 @@ def problems(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, 
 
 
 def _fault(words: Vocabulary, line: str) -> str:
-    """Return why a line cannot be said by a capability."""
+    """Return why a capability cannot send a line; empty if it can."""
     try:
         parsed = words.parse(line)
     except InputError as err:

@@ -1,7 +1,8 @@
 """The rules for sharing a process. Pure.
 
-Those of one process have the same rights on the bus, and end together when one fails. So what is near a motor shares
-with such alone, and so does what may do anything in people's names, or records everything.
+Capabilities of one process have the same rights on the bus, and end together when one fails. So a capability near a
+motor shares only with others near a motor. The same holds for those that act in people's names, and for those that
+record everything.
 """
 
 from collections import Counter
@@ -21,7 +22,7 @@ LAN = "lan"
 
 
 def user(name: str, process: str) -> str:
-    """Return a capability's name on the bus: its own, or that of its shared process, which alone has a dot."""
+    """Return a capability's name on the bus: its own, or that of its shared process, which contains a dot."""
     return f"process.{process}" if process else name
 
 
@@ -71,7 +72,7 @@ def _why_alone(kind: Kind) -> str:
 
 
 def _near(kind: Kind, steering: frozenset[type[Struct]]) -> str:
-    """Return what tells with whom it may share; `steering` are the messages that motors are told by."""
+    """Return the group within which a kind may share a process; `steering` are the messages that drive motors."""
     if kind.device or kind.setpoints or steering & set(kind.outputs.values()):
         return "is near a motor or a device"
     if kind.rights.people:

@@ -1,4 +1,4 @@
-"""Rows on trial: kept once all that they touch is ready, and else taken back, also at the start after a kill.
+"""Rows on trial: kept once all that they touch is ready, otherwise undone, even at the start after a kill.
 
 lbr db apply --within ──► rows and a row of `trial`, in one transaction ──► adopted here ──► ready in time: kept
                                                                                         └─► refused, late: taken back
@@ -19,16 +19,17 @@ from lbr.executive.planning.plan import Change
 from lbr.messages.system import CapabilityStatus
 
 STEADY_S = 0.5
-"""For how long all must be ready: what cannot run ends within that, once it has said that it is ready."""
+"""The time for which all must be ready: a capability that cannot run ends within it, even after it reported ready."""
 AGAIN_AFTER_S = 1.0
 TOLD = 4
 
 
 def not_ready(before: Mapping[str, str], touched: Iterable[str], now: Iterable[CapabilityStatus]) -> tuple[str, ...]:
-    """Return what keeps rows on trial from being kept, in words: what they touch, and what failed since.
+    """Return why rows on trial are not kept yet, as texts: capabilities that they touch, and others that have failed
+    since.
 
-    A capability that was degraded before they came may be so again: a device that is missing is not their fault. Nor is
-    an emergency stop that a person has pressed.
+    A capability that was degraded before may be so again: the rows do not cause a missing device. Nor do they cause an
+    emergency stop.
     """
     statuses = {status.name: status for status in now}
     lacking = []
@@ -50,7 +51,7 @@ def not_ready(before: Mapping[str, str], touched: Iterable[str], now: Iterable[C
 
 
 def go_back(database: Database, robot: str) -> str:
-    """Take back what was on trial when a robot's executive ended; return what was done, for people, or nothing."""
+    """Undo the rows that were on trial when a robot's executive ended; return a report for people, or an empty text."""
     trial = trials.newest(database)
     if trial is None or trial.state != "running" or trial.robot != robot:
         return ""
@@ -59,7 +60,7 @@ def go_back(database: Database, robot: str) -> str:
 
 
 def outcome(trial: Trial) -> str:
-    """Return what became of a trial, for people."""
+    """Return the result of a trial, for people."""
     done = {
         "kept": f"the rows of revision {trial.revision} are kept",
         "back": f"the rows are as at revision {trial.back} again, because",
@@ -69,7 +70,7 @@ def outcome(trial: Trial) -> str:
 
 
 class Trials:
-    """Judges what is on trial for this robot. The main thread calls; another waits for the disk."""
+    """Judges the rows on trial of this robot. The main thread calls it; another thread waits for the disk."""
 
     def __init__(
         self,
@@ -93,11 +94,11 @@ class Trials:
 
     @property
     def on(self) -> bool:
-        """Return whether rows are on trial: they are no good ones yet."""
+        """Return whether rows are on trial: they do not count as good yet."""
         return self._trial is not None
 
     def touching(self, change: Change) -> None:
-        """Take note of what adopted rows are about to do to the processes."""
+        """Note what adopted rows are about to do to the processes."""
         phases: dict[str, str] = {one.name: one.phase for one in self._capabilities()} if change != Change() else {}
         if self._trial is None:
             self._before, self._touched = phases, {}
@@ -114,7 +115,7 @@ class Trials:
             try:
                 trial = trials.newest(self._database)
             except LbrError:
-                return  # asked again at the next look
+                return  # tried again at the next look
             self._looked = (revision, problems)
             if trial is not None and trial.state == "running" and trial.robot == robot:
                 self._begin(trial, problems)
@@ -137,7 +138,7 @@ class Trials:
             self._judge(good=False, text="; ".join(lacking[:TOLD]))
             return
         processes = tuple((one.name, one.pid, one.restarts) for one in capabilities)
-        if lacking or processes != self._processes:  # what ends and starts again may be ready at each look
+        if lacking or processes != self._processes:  # a process that ends and restarts may be ready at each look
             self._processes, self._ready_since = processes, now
         if not lacking and now - self._ready_since >= STEADY_S:
             self._judge(good=True, text=f"because {', '.join(self._touched) or 'all'} got ready")
@@ -155,14 +156,14 @@ class Trials:
                 except LbrError:
                     time.sleep(AGAIN_AFTER_S)  # the file is locked, or the disk is full
 
-        self._writing = beside.begin(write, "trial")  # or judged again at the next look
+        self._writing = beside.begin(write, "trial")  # if no thread begins, it is judged again at the next look
 
     def _end(self) -> None:
         if self._writing is None or self._writing.is_alive():
             return
         self._writing = None
         ended, self._ended = self._ended, None
-        if ended is None:  # it could not be written: judged again
+        if ended is None:  # it was not written: judge again
             return
         self._trial, self._looked = None, None
         self._touched = {}

@@ -1,4 +1,4 @@
-"""Looks at the rows: the first plan, and every later one when rows or a capability's file were edited."""
+"""Reads the rows: makes the first plan, and a later one whenever the rows or a capability's file are edited."""
 
 from collections.abc import Callable, Iterable, Sequence
 from datetime import UTC, datetime
@@ -26,10 +26,9 @@ EDITS_TOLD = 4
 
 
 class News(Struct, frozen=True):
-    """The result of a look: a plan that differs, with what to do and what was edited, or why it could not be made.
+    """The result of a look: a new plan, with its changes and the edits behind it, or the problems of the rows.
 
-    With problems, a plan is the old one with the tokens of now: a token that was revoked is refused, whatever else is
-    wrong.
+    If there are problems, `plan` is the old one with the present tokens: a revoked token is refused even then.
     """
 
     plan: Plan | None = None
@@ -40,7 +39,7 @@ class News(Struct, frozen=True):
 
 
 class RowWatch:
-    """Compares what the database says with what was planned last; cheap to call five times a second."""
+    """Compares the database with the last plan; cheap enough for five times a second."""
 
     def __init__(
         self, database: Database, profile: Profile, site: RunIdentity, machine: Callable[[int], Machine]
@@ -59,7 +58,7 @@ class RowWatch:
         self._next_end = NEVER
 
     def first(self) -> Plan:
-        """Return the plan to start with; raise RowError with everything that is wrong."""
+        """Return the plan to start with; raise RowError with all faults."""
         self._version = self._database.data_version()
         rows = self._with_valid_tokens(loaded(self._database, [self._profile.robot])[self._profile.robot])
         self._files = self._marks(rows)
@@ -70,7 +69,7 @@ class RowWatch:
         return plan
 
     def look(self, plan: Plan) -> News | None:
-        """Return what is new since the last look; None if nothing was touched."""
+        """Return the news since the last look; None if nothing was touched."""
         try:
             self._check_file()
             seen = self._database.data_version()
@@ -98,12 +97,12 @@ class RowWatch:
         return self._news(plan, wanted)
 
     def _locked_out(self, plan: Plan, rows: RobotRows) -> News:
-        """Return the running plan with the tokens of now."""
+        """Return the running plan with the present tokens."""
         new = planner.with_tokens(plan, rows.tokens, self._profile, self._site, self._room_beside(plan))
         return self._news(plan, new) if new is not None else News(problems=self._problems)
 
     def _room_beside(self, plan: Plan) -> Machine:
-        """Return the machine as it is while a plan runs on it."""
+        """Return the limits of the machine while a plan runs on it."""
         return self._machine(processes(plan.rows.capabilities, plan.local_units))
 
     def _news(self, plan: Plan, new: Plan) -> News:
@@ -115,11 +114,11 @@ class RowWatch:
         return planner.make(rows, self._profile, self._site, self._room_beside(beside), before=beside.rows)
 
     def look_again(self) -> None:
-        """Read the rows at the next look: they were written by this process, which `data_version` does not tell."""
+        """Read the rows at the next look: `data_version` does not change when this process writes them."""
         self._version = UNKNOWN_VERSION
 
     def _with_valid_tokens(self, rows: RobotRows) -> RobotRows:
-        """Leave out the tokens that have no rights any more, and note when the next one's end comes."""
+        """Remove tokens that have expired, and note when the next one expires."""
         now = datetime.now(UTC)
         valid = tuple(one for one in rows.tokens if one.revoked_at is None and not one.has_expired(now))
         self._next_end = min((datetime.fromisoformat(one.expires_at) for one in valid if one.expires_at), default=NEVER)
@@ -128,19 +127,19 @@ class RowWatch:
     def _edited(self, before: RobotRows, after: RobotRows) -> str:
         try:
             rows = self._database.touched(before.revision) if after.revision != before.revision else ()
-        except RowError as err:  # it is only told
+        except RowError as err:  # only a report
             return f"rows that are not known: {err}"
         said = edited(rows, after.robot.name)
         more = f" and {len(said) - EDITS_TOLD} more" if len(said) > EDITS_TOLD else ""
         return ", ".join(filter(None, (", ".join(said[:EDITS_TOLD]) + more, _tokens_edited(before, after))))
 
     def _marks(self, rows: RobotRows) -> dict[str, str]:
-        """Return the marks of the kinds that rows name, and go by these from now on, also if the rows are refused."""
+        """Return the marks of the kinds in the rows; later looks compare with them, even if the rows are refused."""
         self._named = frozenset(row.kind for row in rows.capabilities)
         return self._kinds.marks(self._named)
 
     def _check_file(self) -> None:
-        """Notice that another file stands where the database was: what is written there is not what is read here."""
+        """Notice that the database's file was replaced: edits of the new file are not read here."""
         path = self._database.path
         try:
             found = _identity(path)
@@ -158,8 +157,7 @@ def loaded(database: Database, robots: Iterable[str]) -> dict[str, RobotRows]:
 
 
 def edited(rows: Iterable[RevisionRow], robot: str) -> list[str]:
-    """Say what was edited; several rows of a table that differ in the last part of their keys only are told as one
-    edit."""
+    """Describe the edits; rows of a table whose keys differ only in the last part are combined."""
     groups: dict[tuple[str, ...], list[RevisionRow]] = {}
     for row in rows:
         groups.setdefault((row.table, *_own_key(row, robot)[:-1]), []).append(row)
@@ -176,13 +174,13 @@ def _edits(group: Sequence[RevisionRow], robot: str) -> list[str]:
 
 
 def _own_key(row: RevisionRow, robot: str) -> tuple[str, ...]:
-    """Return a row's key without whose it is."""
+    """Return a row's key without the robot's name."""
     key = tuple(map(str, row.row_key))
     return key[1:] if len(key) > 1 and key[0] == robot else key
 
 
 def _tokens_edited(before: RobotRows, after: RobotRows) -> str:
-    """Say whose tokens came and went, whether they were revoked or their time was up."""
+    """Describe the tokens that were added and removed, whether by an edit or because they expired."""
     came = [f"token '{one.name}' ({one.role}) is valid" for one in after.tokens if one not in before.tokens]
     names = {one.name for one in after.tokens}
     went = [f"token '{one.name}' has no rights any more" for one in before.tokens if one.name not in names]

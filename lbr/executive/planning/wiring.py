@@ -1,6 +1,6 @@
-"""The rules between capabilities: channels join ports of one type, verbs name commands that exist.
+"""The rules between capabilities: a channel joins ports of one type, a verb names a command that exists.
 
-That the rows they name are there is the database's to check; what is not there is passed over here.
+The database checks that the capabilities in these rows exist; unknown ones are ignored here.
 """
 
 import re
@@ -23,7 +23,7 @@ EXECUTIVE_COMMANDS: Mapping[str, type[msgspec.Struct]] = {
     "estop_reset": EstopResetCommand,
     "line": LineCommand,
 }
-"""The requests of capabilities to the executive, if their rows wire them to it."""
+"""Requests of capabilities to the executive, if their rows wire them to it."""
 
 EXECUTIVE_VERBS: Mapping[str, frozenset[str]] = {
     "stop": frozenset({"reason"}),
@@ -41,11 +41,11 @@ EXECUTIVE_ROLES: Mapping[str, Role] = {
     "reset": "operate",
     **dict.fromkeys(("restart", "shutdown", "phone", "pair", "open", "close"), "admin"),
 }
-"""The least role that each needs."""
+"""The lowest role that may use each."""
 
 
 def least_roles(kinds: Mapping[str, Kind]) -> dict[str, Role]:
-    """Return the least role that each command of a robot needs, by `capability.command`: its kind says so."""
+    """Return the lowest role for each command of a robot, by `capability.command`, as its kind declares it."""
     found = {f"{EXECUTIVE}.{command}": role for command, role in EXECUTIVE_ROLES.items()}
     return found | {
         f"{name}.{command}": kind.role(command) for name, kind in kinds.items() for command in kind.commands
@@ -54,11 +54,11 @@ def least_roles(kinds: Mapping[str, Kind]) -> dict[str, Role]:
 
 _FIELD = re.compile(r"\{([a-z_]+)(?:\.\.\.)?\}")
 ANY = object()
-"""The type of a program's port: known to the program alone."""
+"""The type of a program's port, which only the program knows."""
 
 
 def check_channels(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, Any]) -> list[Problem]:
-    """Return what is wrong with the channel rows."""
+    """Return the faults in the channel rows."""
     problems: list[Problem] = []
     feeders: dict[str, str] = {}
     for row in rows.channels:
@@ -78,7 +78,7 @@ def check_channels(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping
 def _check_channel(
     row: ChannelRow, label: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], bad: AbstractSet[str]
 ) -> list[Problem]:
-    """Return what is wrong with the ends that are not bad already."""
+    """Return the faults in the ends of a channel, except in columns that are already bad."""
     source, target = row.source_end, row.target_end
     from_known = "source" not in bad and source[0] in kinds
     to_known = "target" not in bad and target[0] in {EXECUTIVE, *kinds}
@@ -100,8 +100,7 @@ def _check_channel(
 
 
 def by_themselves(names: Iterable[str], rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[ChannelRow]:
-    """Yield the channels of ports that kinds wire by themselves, between those that run; a row for the port goes
-    before."""
+    """Yield the channels that kinds wire by themselves, between running capabilities; a port's own row has priority."""
     names = tuple(names)
     given = {end for row in rows.channels for end in (row.source_end, row.target_end)}
     for name in names:
@@ -118,7 +117,7 @@ def by_themselves(names: Iterable[str], rows: RobotRows, kinds: Mapping[str, Kin
 
 
 def _same_type(kind: Kind, port: str, peer: Kind, to: str, *, asks: bool) -> str:
-    """Return the port of another kind that a wire means, empty if it has none of the type."""
+    """Return the port of another kind for such a wire, empty if none has its type."""
     of, _, name = to.rpartition(".")
     wanted = (kind.requests if asks else kind.inputs)[port]
     found = (peer.messages if asks else peer.outputs).get(name)
@@ -128,7 +127,7 @@ def _same_type(kind: Kind, port: str, peer: Kind, to: str, *, asks: bool) -> str
 def _accepted_ports(
     name: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], asks: bool | None
 ) -> dict[str, Any]:
-    """Return the ports that take a question, or a stream; of both, if it is not known which one comes."""
+    """Return the ports that accept requests or streams; both, if it is unknown which one the channel carries."""
     if name == EXECUTIVE:
         return {} if asks is False else dict(EXECUTIVE_COMMANDS)
     groups = ("commands",) * (asks is not False) + ("inputs", "setpoints") * (asks is not True)
@@ -144,7 +143,7 @@ def _ports(name: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], *w
 
 
 def _same(sends: Any, takes: Any) -> bool:
-    """Return whether two ports carry one type; files of the user's own may each declare it."""
+    """Return whether two ports carry one type; a user's files may declare the same type twice."""
     if sends is takes or ANY in {sends, takes}:
         return True
     return bool(msgspec.json.schema(sends) == msgspec.json.schema(takes))
@@ -159,7 +158,7 @@ def _type_name(kind: Any) -> str:
 
 
 def check_verbs(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, Any]) -> list[Problem]:
-    """Return what is wrong with the verb rows."""
+    """Return the faults in the verb rows."""
     all_rows = [(row, f"{rows.robot.name}/{row.word}/{row.pattern}", frozenset[str]()) for row in rows.verbs]
     all_rows += [(one.row, one.label, one.columns) for one in rows.faulty if one.table == "verb"]
     problems = (problem for row, label, bad in all_rows for problem in _check_verb(row, label, kinds, settings, bad))
@@ -169,8 +168,7 @@ def check_verbs(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[st
 def _check_verb(
     row: VerbRow, label: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], bad: AbstractSet[str]
 ) -> list[Problem]:
-    """Return what is wrong with its target, and what pattern and payload have against that, if they are not bad
-    already."""
+    """Return the faults in its target, its pattern and its payload, except in columns that are already bad."""
     owner, command = row.target_end
     if "target" in bad or owner not in {EXECUTIVE, *kinds}:
         return []

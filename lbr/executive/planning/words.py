@@ -1,4 +1,4 @@
-"""The words of a robot: the rows of its own, and for each of its capabilities the words of its kind."""
+"""The words of a robot: its own rows, and the words of its capabilities' kinds."""
 
 from collections.abc import Iterable, Iterator, Mapping
 
@@ -21,9 +21,10 @@ OF_EVERY_ROBOT = (
 
 
 def words(rows: RobotRows, kinds: Mapping[str, Kind]) -> tuple[VerbRow, ...]:
-    """Return all verbs of a robot, in the order of its rows: a row of its own goes before a word of the same lines.
+    """Return all verbs of a robot, in the order of its rows. Its own row has priority over a kind's word for the same
+    lines.
 
-    Of two capabilities whose kinds say the same, it means the one that is enabled, or is called as its kind is.
+    Of several capabilities with the same word, the word belongs to the one that is enabled, or is named like its kind.
     """
     verbs = {_lines(row.pattern): row for row in rows.verbs}
     line_forms = {*verbs, *((row.name,) for row in rows.external_commands)}
@@ -35,7 +36,7 @@ def words(rows: RobotRows, kinds: Mapping[str, Kind]) -> tuple[VerbRow, ...]:
 
 
 def as_row(capability: str, word: Word) -> VerbRow:
-    """Return the row that would say the same for a capability."""
+    """Return the verb row that corresponds to a capability's word."""
     return VerbRow(
         word=_word(word.pattern),
         pattern=word.pattern,
@@ -47,7 +48,7 @@ def as_row(capability: str, word: Word) -> VerbRow:
 
 
 def faults(kinds: Iterable[Kind]) -> Iterator[Problem]:
-    """Yield what is wrong with the words of kinds, which are another's work as rows are."""
+    """Yield the faults in the words of kinds, which are as unreliable as rows."""
     for kind in {kind.name: kind for kind in kinds}.values():
         for word in kind.words:
             if fault := _fault(kind, word):

@@ -1,1 +1,1 @@
-"""Starts, watches, restarts and ends what a plan says, and gives each process its place on the bus."""
+"""Starts, watches, restarts and ends the processes of a plan, and gives each its place on the bus."""

@@ -1,9 +1,9 @@
-"""A machine that has too much to do: said once, in one line, and once when it is over. Pure, with times given."""
+"""An overloaded machine: reported in one line when it begins, and once when it is over. Pure."""
 
 import os
 
 OVER_AFTER_S = 10.0
-"""The time for other troubles to mend after the last process that was not given the processor."""
+"""The time for other faults to disappear after the last process was starved of the processor."""
 
 
 class Busy:
@@ -15,7 +15,7 @@ class Busy:
         self._names: dict[str, float] = {}
 
     def starved(self, name: str, waited_s: float, now: float) -> str:
-        """Take note that a process is not given the processor; return what people are told, if they are not yet."""
+        """Note that a process is starved of the processor; return the report for people, empty if they have it."""
         self._last = now
         self._names[name] = max(waited_s, self._names.get(name, 0.0))
         if self.on:
@@ -26,7 +26,7 @@ class Busy:
         return f"this machine is too busy: {said}; nothing is ended for it, and what moves keeps its deadlines"
 
     def over(self, now: float) -> str:
-        """Return what people are told once it is over, else nothing."""
+        """Return the report for people once the overload is over, otherwise an empty text."""
         if not self.on or not now - self._last > OVER_AFTER_S:
             return ""
         worst = max(self._names, key=lambda name: self._names[name])

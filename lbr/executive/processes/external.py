@@ -1,6 +1,6 @@
-"""External commands: programs started by name from the console, one of each at a time, none outliving the executive.
+"""External commands: programs started by name from the console, one of each at a time. None outlives the executive.
 
-Each gives up what every process of the robot does (capability/confine.py).
+Each gives up the same rights as every process of the robot (capability/confine.py).
 """
 
 import contextlib
@@ -28,13 +28,12 @@ OUTPUT_LIMIT = 4000
 STOP_S = 2.0
 CLOSE_S = 0.3
 PYTHON = "python"
-"""As the program of a row: the interpreter that lbr runs on, with lbr's own packages and none of the directory that
-`lbr run` was started in."""
+"""As the program of a row: lbr's own interpreter and packages, without the working directory of `lbr run`."""
 
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A program that was started for a row, and what the reaper knows it by."""
+    """A program that was started for a row, with its mark for the reaper."""
 
     row: ExternalCommandRow
     popen: "subprocess.Popen[bytes]"
@@ -42,7 +41,7 @@ class Command:
 
     @property
     def pid(self) -> int:
-        """Its process, or what was."""
+        """Return the number of its process, even after its end."""
         return self.popen.pid
 
     @property
@@ -52,7 +51,7 @@ class Command:
 
 
 class ExternalCommands:
-    """Starts and stops programs. `start` must run on the thread that lives as long as the process does."""
+    """Starts and stops programs. Only a thread that lives as long as the process may call `start`."""
 
     def __init__(self, logs: Path, robot: str, reaper: Reaper) -> None:
         self._logs = logs
@@ -62,8 +61,7 @@ class ExternalCommands:
         self._asked_at: dict[int, float] = {}
 
     def start(self, row: ExternalCommandRow, arguments: tuple[str, ...], origin: Origin, said_s: float) -> Command:
-        """Start it for a line of an `origin`, said then; raise InputError if it runs already, LbrError if it cannot be
-        started."""
+        """Start it for a line of an `origin` at `said_s`; raise InputError if it runs, LbrError if it cannot start."""
         known = self._running.get(row.name)
         if known is not None and not known.over:
             raise InputError(f"'{row.name}' runs already (pid {known.pid}); 'stop {row.name}' ends it")
@@ -103,7 +101,7 @@ class ExternalCommands:
 
     @staticmethod
     def wait(row: ExternalCommandRow, command: Command) -> tuple[int, str]:
-        """Wait for a blocking command; return its exit code and the beginning of what it printed. From any thread."""
+        """Wait for a blocking command; return its exit code and the beginning of its output. From any thread."""
         popen = command.popen
         assert popen.stdout is not None
         with popen.stdout:
@@ -122,7 +120,7 @@ class ExternalCommands:
         return code, text
 
     def stop(self, name: str) -> str:
-        """End a running command with all that it has started, by force after two seconds; from any thread."""
+        """End a running command and all that it has started, by force after two seconds. From any thread."""
         command = self._running.get(name)
         if command is None or command.over:
             raise InputError(f"'{name}' does not run")
@@ -139,8 +137,7 @@ class ExternalCommands:
         return f"'{name}' has ended"
 
     def prune(self, names: set[str]) -> None:
-        """Ask commands whose rows are gone to end, once, and end them by force after two seconds. Forget what has
-        ended."""
+        """Ask commands whose rows are gone to end, once; kill them after two seconds. Forget those that have ended."""
         now = time.monotonic()
         for name, command in list(self._running.items()):
             if command.over:
@@ -156,7 +153,7 @@ class ExternalCommands:
                 _signal(command.popen, signal.SIGKILL)
 
     def close(self) -> None:
-        """End them all, in the same third of a second."""
+        """End them all, within the same third of a second."""
         running = [command.popen for command in self._running.values() if not command.over]
         for popen in running:
             _ask(popen)
@@ -174,7 +171,7 @@ def _program(argv: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _read(fd: int, until: float) -> tuple[bytes, bool]:
-    """Read to the end, keeping only the beginning; say whether the end came in time."""
+    """Read to the end, keeping only the beginning; return whether the end came in time."""
     output = b""
     poll = select.poll()
     poll.register(fd, select.POLLIN)
@@ -189,7 +186,7 @@ def _read(fd: int, until: float) -> tuple[bytes, bool]:
 
 
 def _ask(popen: "subprocess.Popen[bytes]") -> None:
-    """Ask it to end; one that is frozen goes on, so that it hears."""
+    """Ask it to end; continue it if it is frozen, so that it receives the signal."""
     _signal(popen, signal.SIGTERM)
     _signal(popen, signal.SIGCONT)
 

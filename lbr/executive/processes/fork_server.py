@@ -1,6 +1,6 @@
-"""The executive's side of the server that forks its capabilities' processes off.
+"""The executive's side of the server that forks the processes of its capabilities.
 
-Without one that answers, a process starts in an interpreter of its own: it takes longer, and nothing else changes.
+If the server does not answer, a process starts in an interpreter of its own; that only takes longer.
 """
 
 import contextlib
@@ -27,14 +27,14 @@ from lbr.executive.processes.restart import UNSEEN
 from lbr.messages.unreadable import UNREADABLE
 
 BEGINS_WITHIN_S = 3.0
-"""A few times what it takes beside four busy loops."""
+"""A few times its duration beside four busy loops."""
 ANSWERS_WITHIN_S = 0.3
-"""A fork takes 2 ms; stops wait for the process that waits for it."""
+"""A fork takes 2 ms. A stop may have to wait for the process that is being forked."""
 RETRY_S = 5.0
 
 
 class Forked:
-    """A forked process, as `subprocess.Popen` has it."""
+    """A forked process, with the interface of `subprocess.Popen`."""
 
     def __init__(self, server: "ForkServer", generation: int, pid: int, stdin: IO[bytes]) -> None:
         self._server = server
@@ -45,19 +45,19 @@ class Forked:
         self._code: int | None = None
 
     def poll(self) -> int | None:
-        """Return how it ended, or None while it runs."""
+        """Return its exit code, or None while it runs."""
         if self._code is None and _readable(self._fd, 0.0):
             self._code = self._server.code_of(self.pid, self._generation)
         return self._code
 
     def wait(self) -> int:
-        """Return how it ended, once it has."""
+        """Wait for its end, and return its exit code."""
         _readable(self._fd, None)
         code = self.poll()
         return UNSEEN if code is None else code
 
     def close(self) -> None:
-        """Free what is held for it; from then on its number may be another's."""
+        """Release it; from then on its number may be another's."""
         os.close(self._fd)
         self._server.release(self.pid, self._generation)
 
@@ -76,7 +76,7 @@ class ForkServer:
 
     @property
     def begins(self) -> bool:
-        """Return whether it will serve in a moment."""
+        """Return whether it is about to serve; replace it if need be."""
         if self._state == "begins":
             self._hear(0.0)
             if self._state == "begins" and time.monotonic() - self._since > BEGINS_WITHIN_S:
@@ -87,16 +87,16 @@ class ForkServer:
 
     @property
     def serves(self) -> bool:
-        """Return whether it forks what is asked for."""
+        """Return whether it accepts orders."""
         return self._state == "serves"
 
     @property
     def pid(self) -> int:
-        """Its number."""
+        """Return its process number."""
         return self._popen.pid
 
     def fork(self, words: Sequence[str], environment: Mapping[str, str], log: int, reports: int) -> Forked | None:
-        """Return a new process that waits for its document, or None if it has to start by itself."""
+        """Return a new process that waits for its document, or None if it has to be started without the server."""
         if self.begins or self._state != "serves":
             return None
         theirs, ours = os.pipe()
@@ -116,7 +116,7 @@ class ForkServer:
         return None
 
     def code_of(self, pid: int, generation: int) -> int:
-        """Return how a process ended that has; UNSEEN if the server that forked it cannot tell any more."""
+        """Return the exit code of an ended process; UNSEEN if the server that forked it can no longer report it."""
         until = time.monotonic() + ANSWERS_WITHIN_S
         while pid not in self._codes and self._tells_of(generation):
             if time.monotonic() > until:
@@ -129,7 +129,7 @@ class ForkServer:
         return self._state == "serves" and self._generation == generation
 
     def release(self, pid: int, generation: int) -> None:
-        """Let the number of a process that has ended go."""
+        """Release the number of a process that has ended."""
         if self._tells_of(generation):
             with contextlib.suppress(OSError):
                 self._link.send(msgspec.json.encode(ForkOrder(release=pid)))
@@ -139,7 +139,7 @@ class ForkServer:
         self._end()
 
     def _answer(self) -> ForkReply | None:
-        """Wait for the process that was ordered to say that it is there; one that does not answer in time is ended."""
+        """Wait for the reply that names the new process; end a server that does not answer in time."""
         until = time.monotonic() + ANSWERS_WITHIN_S
         while self._state == "serves" and time.monotonic() < until:
             reply = self._hear(until - time.monotonic())
@@ -149,7 +149,7 @@ class ForkServer:
         return None
 
     def _hear(self, patience_s: float) -> ForkReply | None:
-        """Hear one thing, and return what is no end of a process."""
+        """Receive one reply, and return it unless it reports the end of a process."""
         if not _readable(self._link.fileno(), max(0.0, patience_s)):
             return None
         try:

@@ -1,4 +1,4 @@
-"""Starting a process: its program, its environment, and the pipe of its reports."""
+"""The start of a process: its program, its environment, and the pipe of its reports."""
 
 import contextlib
 import json
@@ -63,7 +63,7 @@ def launch(
 ) -> tuple[Running, Reports]:
     """Start the process `name`, which waits for orders on standard input; return it and its reports.
 
-    `waits`: it neither moves nor serves, so that it may wait for what it receives.
+    `waits`: it neither moves nor serves, so it may wait for its input.
     """
     words = (f"{config.robot}/{name}", config.home)
     environment = _environment(config, waits=waits) | mark.environment
@@ -83,7 +83,7 @@ def launch(
                 pass_fds=(report_fd,),
                 start_new_session=True,
             )
-    except BaseException:  # an interruption, too, leaves nothing open
+    except BaseException:  # an interruption, too, must leave nothing open
         os.close(reports_fd)
         raise
     finally:
@@ -92,7 +92,7 @@ def launch(
 
 
 def launch_program(program: ProgramSettings, config: ProcessConfig, log: IO[bytes], mark: Mark) -> Running:
-    """Start a program of the user's."""
+    """Start a user's program."""
     environment = _environment(config) | program_environment(program, config) | mark.environment
     return subprocess.Popen(
         dying_with_parent(program.argv, within=config.home),
@@ -105,7 +105,7 @@ def launch_program(program: ProgramSettings, config: ProcessConfig, log: IO[byte
 
 
 def program_environment(program: ProgramSettings, config: ProcessConfig) -> dict[str, str]:
-    """Return the variables that describe its wiring to a program of kind `exec`."""
+    """Return the environment variables that describe its wiring to a program of kind `exec`."""
     return program.env | {
         "LBR_ROBOT": config.robot,
         "LBR_NAME": config.name,
@@ -128,7 +128,7 @@ def _is_leaf(config: ProcessConfig) -> bool:
 
 
 def _settings_file(config: ProcessConfig) -> Path:
-    """Write the Zenoh settings by which a program connects as itself. Only their owner may read the file."""
+    """Write the Zenoh settings with a program's own credentials. Only their owner may read the file."""
     path = home.directory("run") / f"{config.robot}-{config.name}.json5"
     with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "w") as file:
         json.dump(client_settings(config.endpoints, config.credentials, certificate=config.certificate), file)

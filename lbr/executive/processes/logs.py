@@ -1,5 +1,4 @@
-"""Logs that processes append to: bounded while they are written, with the end of what was cut kept in one older
-file."""
+"""Logs that processes append to. A log that is too large is cut; one older file keeps the end of the removed part."""
 
 import contextlib
 import os
@@ -19,7 +18,7 @@ CUT = b"... the beginning was cut; its end is in the file ending in .old.log\n"
 
 
 def open_log(path: Path) -> IO[bytes]:
-    """Open a log to append to; InputError for what is no file, where opening or writing could wait for a reader."""
+    """Open a log to append to; raise InputError unless it is a file: anything else could block until a reader comes."""
     trim(path)
     if path.exists() and not path.is_file():
         raise InputError(f"{path} is not a file, and a log is written there: move it away")
@@ -27,8 +26,7 @@ def open_log(path: Path) -> IO[bytes]:
 
 
 def add(directory: Path, events: Iterable[Event], log_of: Callable[[str], str]) -> None:
-    """Add what happened to each part to its log, among its standard error; a log that cannot be written goes
-    without."""
+    """Add each part's events to its log, among its standard error; skip a log that cannot be written."""
     lines = defaultdict(list)
     for one in events:
         when = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(one.wall_ns / 1e9))
@@ -39,14 +37,14 @@ def add(directory: Path, events: Iterable[Event], log_of: Callable[[str], str]) 
 
 
 def trim_all(directory: Path) -> None:
-    """Trim every log in a directory; takes a millisecond at most, whatever is written there."""
+    """Trim every log in a directory; takes a millisecond at most, whatever their content."""
     for path in directory.glob("*.log"):
         if not path.name.endswith(".old.log"):
             trim(path)
 
 
 def trim(path: Path) -> None:
-    """Cut a log that has grown too large, while others go on appending to it; a full disk does not keep it long."""
+    """Cut a log that has grown too large, while others append to it; on a full disk it is cut without a copy."""
     with contextlib.suppress(OSError):
         if path.stat().st_size <= LIMIT_BYTES:
             return

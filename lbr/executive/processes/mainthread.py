@@ -1,4 +1,4 @@
-"""The executive's own thread: what others ask of it, and what wakes it."""
+"""The executive's main thread: calls from other threads, and its wake-ups."""
 
 import contextlib
 import os
@@ -18,7 +18,7 @@ ANSWER_LIMIT_S = 5.0
 
 
 class MainThread(Service):
-    """Runs what other threads hand over, one after the other, on the thread that made it."""
+    """Runs what other threads hand over, in order, on the thread that made it."""
 
     def __init__(self) -> None:
         self._ident = threading.get_ident()
@@ -28,8 +28,7 @@ class MainThread(Service):
         os.set_blocking(self.wake_fd, False)
 
     def call(self, do: Callable[[], T]) -> T:
-        """Run `do` there and return its result; raise what it raises. A call that is not begun in time is never done:
-        LbrError."""
+        """Run `do` there and return its result, or raise its exception; LbrError if it cannot begin in time."""
         if threading.get_ident() == self._ident:
             return do()
         future: Future[T] = Future()
@@ -38,7 +37,7 @@ class MainThread(Service):
         try:
             return future.result(timeout=ANSWER_LIMIT_S)
         except FutureTimeout:
-            if not future.cancel():  # it has begun, or has raised this itself
+            if not future.cancel():  # it has begun, or raised this itself
                 return future.result()
         except CancelledError:
             pass
@@ -50,12 +49,12 @@ class MainThread(Service):
         self.wake()
 
     def wake(self) -> None:
-        """Let its wait return; from any thread."""
+        """Wake it from its wait; may be called from any thread."""
         with contextlib.suppress(BlockingIOError):
             os.write(self.wake_fd, b"w")
 
     def wait(self, timeout_s: float, fds: Iterable[int]) -> None:
-        """Wait for a wake-up or news on one of `fds`, then run what was handed over."""
+        """Wait for a wake-up or news on one of `fds`, then run the calls of other threads."""
         poll = select.poll()
         for fd in (self._read, *fds):
             poll.register(fd, select.POLLIN)
@@ -66,7 +65,7 @@ class MainThread(Service):
         self.run_calls()
 
     def run_calls(self) -> None:
-        """Run what was handed over."""
+        """Run the calls of other threads."""
         while True:
             try:
                 do, future = self._calls.get_nowait()
@@ -80,7 +79,7 @@ class MainThread(Service):
                 future.set_exception(err)
 
     def close(self) -> None:
-        """Refuse what was handed over and is not done yet."""
+        """Refuse calls that have not begun yet."""
         while True:
             try:
                 self._calls.get_nowait()[1].cancel()

@@ -9,11 +9,11 @@ from lbr.executive.processes.supervisor import Supervisor
 from lbr.messages.system import CapabilityStatus
 
 Read = tuple[float | None, float | None, int | None]
-"""CPU in percent of a core, memory in MB, niceness; None: it cannot be read."""
+"""CPU in percent of a core, memory in MB, niceness; None: unreadable."""
 
 
 class Overview:
-    """Reads the supervisor's capabilities and the processes' meters; CPU is that since the last call."""
+    """Reads the supervisor's capabilities and the processes' meters; the CPU use is that since the last call."""
 
     def __init__(self, supervisor: Supervisor) -> None:
         self._supervisor = supervisor

@@ -1,4 +1,4 @@
-"""A capability in the supervisor: its process, its phase, its past."""
+"""A capability in the supervisor: its process, its phase, its history."""
 
 from math import inf
 
@@ -9,13 +9,11 @@ from lbr.messages.system import CapabilityPhase
 
 
 class Part:
-    """`child` is its process now; None without one.
+    """A capability and its state; `child` is its process, None without one.
 
-    `reason` and `code` are those of now. `final_report` announces an end. `last_end` is the last end that was not
+    `reason` and `code` explain its phase. `final_report` announces an end. `last_end` is the last end that was not
     requested. `reported` is a phase that counts once the capability is present on the bus. `announced` are the last
-    announced phase and reason. `announce_at` is when an unsettled start is announced. `suspect` is the first look at
-    its threads in a silence, `newest` the last. `look_at` is when to look again. `usual` is the last look at how long
-    it waits for a processor.
+    announced phase and reason. `announce_at` is when an unsettled start is announced. `suspect` is the first look at its threads in a silence, `newest` the latest; `look_at` is when to look again. `usual` is the latest look while it runs normally, for how long it waits for a processor.
     """
 
     def __init__(self, spec: ProcessSpec) -> None:

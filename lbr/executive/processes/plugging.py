@@ -1,7 +1,5 @@
-"""Edits that reach a process while it runs: new devices of a simulated robot, and rows that a kind follows.
-
-It is asked by a command of its own, and begun again only if it cannot.
-"""
+"""Edits that reach a running process: new devices of a simulated robot, and rows that a kind follows. The process
+receives them by a command, and is restarted only if that fails."""
 
 from collections.abc import Callable
 from math import inf
@@ -19,13 +17,13 @@ from lbr.messages.leases import CommandReply
 from lbr.messages.rows import RowsChanged
 
 WITHIN_S = 1.0
-"""A world answers within milliseconds; one that does not is better begun again than waited for."""
+"""A world answers within milliseconds; otherwise a restart is quicker than waiting."""
 COMMAND, ROWS = "plug", "rows"
 _replies = Decoder(CommandReply)
 
 
 class PlugDevice(Struct, frozen=True, kw_only=True):
-    """The request to a world."""
+    """The request to a world to emulate a device."""
 
     device: str
     type: str
@@ -41,8 +39,7 @@ class _Asked(NamedTuple):
 
 
 class Plugging(Service):
-    """Asks processes, and looks what became of it. `process(name)` is what runs of a capability, `restart(name, why)`
-    begins it again."""
+    """Sends edits to processes, and checks the replies; `process(name)` is one, `restart(name, why)` restarts it."""
 
     def __init__(
         self,
@@ -61,18 +58,18 @@ class Plugging(Service):
         self._asked: list[_Asked] = []
 
     def ask(self, world: str, devices: tuple[DeviceConfig, ...]) -> None:
-        """Ask a world that runs to emulate more devices."""
+        """Ask a running world to emulate more devices."""
         for one in devices:
             wanted = PlugDevice(device=one.name, type=one.type, address=one.address, settings=one.settings)
             if not self._ask(world, COMMAND, wanted, f"device '{one.name}' cannot be plugged in while it runs"):
                 return
 
     def tell(self, name: str, rows: RowsChanged) -> None:
-        """Tell a capability that runs of the rows that were edited."""
+        """Send the edited rows to a running capability."""
         self._ask(name, ROWS, rows, f"it cannot go on with other rows of {', '.join(rows.rows)}")
 
     def step(self, _now: float) -> float:
-        """Begin a process again that could not do as asked, once; one that has begun again meanwhile has it all."""
+        """Restart a process whose request failed, once; a process that has restarted meanwhile has the edit already."""
         done = [asked for asked in self._asked if asked.question.done]
         self._asked = [asked for asked in self._asked if not asked.question.done]
         begun = set()
@@ -84,7 +81,7 @@ class Plugging(Service):
         return inf
 
     def _ask(self, name: str, command: str, message: Struct, failure: str) -> bool:
-        """Ask a process, if it runs; say whether that went out."""
+        """Send a request to a process, if it runs; return whether it was sent."""
         process = self._process(name)
         if process is None:
             return False

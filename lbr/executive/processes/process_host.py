@@ -3,8 +3,8 @@
     supervisor ── a Child for each capability ──► Process ── orders ──► the process
                                                           ◄── reports, by number ──┘
 
-A process begins with its first capability and ends with its last. Most have only one. Killing one kills all of its
-process. A program of the user's is a process without orders and reports.
+A process begins with its first capability and ends with its last. Most have only one. Killing one capability kills all
+of its process. A user's program is a process without orders and reports.
 """
 
 import contextlib
@@ -30,7 +30,7 @@ from lbr.executive.processes.reaper import Mark, Reaper
 
 PIPE_BYTES, LARGEST_PIPE_BYTES = 1 << 16, 1 << 20
 TERM_S = 0.8
-"""The time in which a process must end when it is asked to."""
+"""The time for a process to end when it is asked to."""
 SLOW_S = 5.0
 """The time for a capability whose kill would end others, too: a start, or a device, may be slow."""
 
@@ -51,7 +51,7 @@ class ProcessHost:
         self._open.append(process)
 
     def poll(self) -> None:
-        """See in one call which processes have news; the others are not asked before the next one."""
+        """Check in one call which processes have news; the others are skipped until the next call."""
         self._open = [process for process in self._open if not process.closed]
         poll = select.poll()
         for fd in {fd for process in self._open for fd in process.fds}:
@@ -63,8 +63,8 @@ class ProcessHost:
     def start(self, spec: ProcessSpec, config: ProcessConfig, *, waits: bool = False) -> "Child":
         """Start a capability in its process.
 
-        `waits`: none of those that share the process moves or serves anything.
-        A new process begins where none runs, or where the running one may not open the device any more.
+        `waits`: none of the capabilities of the process moves or serves anything. A new process begins if none runs, or
+        if the running one may no longer open the device.
         """
         number = next(self._numbers)
         order = b"" if spec.program else _line(Order(number=number, start=config))
@@ -81,19 +81,19 @@ class ProcessHost:
                 running, reports = launch_program(spec.program, config, log, mark), Reports(-1)
             else:
                 running, reports = launch(spec.process, config, log, mark, self._forks, waits=waits)
-        mark.began(running.pid)  # before an order comes, it does nothing and hides nothing
+        mark.began(running.pid)  # it does nothing before an order comes
         return Process(spec.process, config, running, reports, mark)
 
 
 class Process:
-    """A process with its capabilities. Once it is `over`, nothing begins in it any more."""
+    """A process with its capabilities. Once it is `over`, nothing begins in it."""
 
     def __init__(self, name: str, config: ProcessConfig, running: Running, reports: Reports, mark: Mark) -> None:
         self.name = name
         self.culprit: Child | None = None
         """The capability that has ended the process."""
         self.quiet = self.closed = False
-        """`quiet`: it had not ended, nor reported anything, when it was last looked at."""
+        """`quiet`: at the last look it had neither ended nor reported anything."""
         self._children: dict[int, Child] = {}
         self._override = needs_override(config.places)
         self._running = running
@@ -115,12 +115,12 @@ class Process:
 
     @property
     def fds(self) -> tuple[int, ...]:
-        """File descriptors with news: of its end, and of its reports."""
+        """Return the file descriptors with news: of its end, and of its reports."""
         return (self._pid_fd, *self._reports.fds)
 
     @property
     def over(self) -> bool:
-        """True once it has ended, or is to end."""
+        """Return whether it has ended, or is to end."""
         return self._ends or self.code() is not None
 
     def reaches(self, config: ProcessConfig) -> bool:
@@ -141,13 +141,13 @@ class Process:
         return child
 
     def end(self, child: "Child") -> None:
-        """Ask a capability to end. A frozen process is continued, so that it can."""
+        """Ask a capability to end. A frozen process is continued first."""
         self._send(_line(Order(number=child.number)))
         self._end_with_all()
         self._signal(signal.SIGCONT)
 
     def kill(self, child: "Child") -> None:
-        """Kill it and all that it started, because of one of its capabilities."""
+        """Kill the process and all that it started, because of one of its capabilities."""
         self._blame(child)
         self._signal(signal.SIGKILL)
 
@@ -161,7 +161,7 @@ class Process:
             child.take(report)
             if child.failed:
                 self._blame(child)
-            elif report.phase == "ended" and not child.asked:  # somebody else has asked the process to end
+            elif report.phase == "ended" and not child.asked:  # the order to end came from elsewhere
                 self._ends = True
         self._end_with_all()
 
@@ -170,7 +170,7 @@ class Process:
         self._rank.set(min(child.niceness for child in self._children.values()))
 
     def release(self, child: "Child") -> None:
-        """Release a capability that has ended. With the last one, kill what is left behind and close everything."""
+        """Release a capability that has ended. After the last one, kill its remains and close everything."""
         del self._children[child.number]
         if self._children:
             self._end_with_all()
@@ -181,7 +181,7 @@ class Process:
             self.closed = True
 
     def _end_with_all(self) -> None:
-        """Ask it to end, once each of its capabilities has ended or is asked to."""
+        """Ask the process to end, once each of its capabilities has ended or is asked to."""
         if not self.over and all(child.asked or child.left for child in self._children.values()):
             self._ends = True
             self._signal(signal.SIGTERM)
@@ -191,12 +191,12 @@ class Process:
         self.culprit = self.culprit or child
 
     def _send(self, line: bytes) -> None:
-        """Write what it accepts now, and keep the rest: a process that does not read blocks nobody."""
+        """Write as much as it accepts now, and keep the rest: a process that does not read must not block anybody."""
         if self._running.stdin is None:
             return
         self._unsent += line
-        with contextlib.suppress(OSError):  # it accepts no more now; its end is noticed where every end is
-            if len(line) > PIPE_BYTES:  # if this user has pipes left
+        with contextlib.suppress(OSError):  # it accepts no more now; `poll` notices its end
+            if len(line) > PIPE_BYTES:  # unless this user's pipes are used up
                 fcntl.fcntl(self._running.stdin, fcntl.F_SETPIPE_SZ, LARGEST_PIPE_BYTES)
         with contextlib.suppress(BlockingIOError, BrokenPipeError):
             while self._unsent:
@@ -237,32 +237,32 @@ class Child:
 
     @property
     def fds(self) -> tuple[int, ...]:
-        """File descriptors with news of it, first that of its end."""
+        """Return the file descriptors with its news, first that of its end."""
         return self._process.fds
 
     @property
     def thread(self) -> int:
-        """The kernel's number of its loop's thread; of its process until that is reported."""
+        """Return the kernel's number of its loop's thread; that of its process until the thread is reported."""
         return self._thread or self.pid
 
     @property
     def has_reports(self) -> bool:
-        """True if reports of it wait, which came together with another capability's."""
+        """Return whether reports of it wait, which came together with another capability's."""
         return bool(self._received)
 
     @property
     def niceness(self) -> int:
-        """The niceness that it needs now; a start is slow enough on a busy machine without a lower rank."""
+        """Return its niceness now: while it starts, at least the usual rank, as a start is slow on a busy machine."""
         niceness = scheduling.niceness(self.spec)
         return niceness if self._settled else min(niceness, scheduling.USUAL)
 
     @property
     def patience_s(self) -> float:
-        """The time in which it must end when it is asked to."""
+        """Return the time for it to end when it is asked to."""
         return TERM_S if self._process.over else SLOW_S
 
     def take(self, report: Report) -> None:
-        """Accept a report. The phase `left` is a failure before it began, which ends it alone."""
+        """Accept a report. The phase `left` is a failure before its start, which ends it alone."""
         self._thread = report.thread or self._thread
         self.failed = self.failed or report.phase in {"failed", "hung"}
         self.left = self.left or report.phase in {"ended", "left"}
@@ -276,7 +276,7 @@ class Child:
         self._process.rank()
 
     def reports(self) -> list[Report]:
-        """Return the reports since the last call; if another capability ended its process, also which."""
+        """Return the reports since the last call; if another capability ended its process, with that one's name."""
         ended = self._process.code() is not None
         self._process.receive()
         reports, self._received = self._received, []

@@ -11,8 +11,7 @@ LONGEST_TEXT = 2000
 
 
 class Readiness(Struct, frozen=True):
-    """The capabilities that keep the robot from being ready (`failed`), and those that only have less than their all
-    (`degraded`), with reasons."""
+    """The capabilities that keep the robot from being ready (`failed`) or work only partly, with the reasons."""
 
     failed: dict[str, str] = {}
     degraded: dict[str, str] = {}
@@ -23,15 +22,16 @@ class Readiness(Struct, frozen=True):
         return not self.failed
 
     def words(self, after_s: float) -> str:
-        """Return it in one line, once everything has come up or given up."""
+        """Return the state in one line, once everything runs or has given up."""
         first = f"all up after {after_s:.1f} s" if self.ready else f"not ready after {after_s:.1f} s"
         return "; ".join([first, *_lines("", self.failed), *_lines("degraded: ", self.degraded)])[:LONGEST_TEXT]
 
 
 def readiness(capabilities: Iterable[CapabilityStatus]) -> Readiness:
-    """Return it for a robot whose capabilities have settled: what waits on this machine waits for what has failed.
+    """Return the readiness of a robot whose capabilities have settled: whatever still waits on this machine waits for a
+    failed one.
 
-    A capability that waits for another machine, or ended as its restart policy allows, does without and reports it.
+    A capability that waits for another machine, or has ended as its restart policy allows, only degrades the robot.
     """
     failed: dict[str, str] = {}
     degraded: dict[str, str] = {}

@@ -1,14 +1,21 @@
-"""The reaper's program: ends what is left of a run when the executive is gone, also what is frozen or hangs.
+"""The reaper's program: ends the remains of a run when the executive is gone, even if they are frozen or hang.
 
-`python -I -S reap.py LBR_RUN=TOKEN. LBR_LAST_WORD_S= PID HANGS_S`, with a pipe from the executive, which is PID, on
-standard input. It hears there `+NUMBER PID` when a process was started, `*NUMBER PID` when a driver was, `-NUMBER` when
-one has ended, `~NUMBER` when one has ended that may leave something behind until the end of the run, and `=PID` of a
-driver that had ended before. `!` says that the executive's main loop goes round, and `_` that this is not to be waited
-for that. A dot, or the end of the pipe, is the end of the executive: who can, ends in order by itself; then all the
-rest is killed. An executive that hangs is killed first. To a process belongs what is in its session, and what has its
-mark in the environment. A guard is not killed but continued until it has said its last word; only in a driver's session
-is one, which no other process can enter. The reaper has the executive's rights, so that it sees and ends whatever that
-has started, and imports nothing of the project.
+`python -I -S reap.py LBR_RUN=TOKEN. LBR_LAST_WORD_S= PID HANGS_S`: PID is the executive, whose pipe is the standard
+input. Its words, a line each:
+
+- `+NUMBER PID`: a process has started; `*NUMBER PID`: a driver has started.
+- `-NUMBER`: it has ended; `~NUMBER`: it has ended, and its remains may run until the end of the run.
+- `=PID`: this driver ended before the reaper began.
+- `!`: the main loop runs; `_`: expect no beats until the next one.
+
+A dot, or the end of the pipe, is the end of the executive. Processes that can end in order then do so by themselves;
+the rest is killed. An executive that hangs is killed first.
+
+The descendants of a process are those in its session, and those with its mark in the environment. A guard is not killed
+but continued until it has sent its last command. Guards exist only in the sessions of drivers, which no other process
+can enter.
+
+The reaper has the executive's rights, so that it sees and ends all its processes. It imports nothing of the project.
 """
 
 import os
@@ -21,29 +28,28 @@ from contextlib import suppress
 from typing import NamedTuple
 
 PATIENCE_S = 1.1
-"""A capability that ends in order is gone 1.0 s after its lifeline closed: its own alarm sees to that."""
+"""A capability that ends in order is gone 1.0 s after its lifeline closed: its own alarm ensures that."""
 LAST_WORD_MOST_S = 7200.0
 MOST_GUARDED = 512
 """Sessions of drivers, running or ended; a machine runs at most 100 processes of a robot."""
 LOOK_FIRST_S, LOOK_MOST_S = 0.01, 0.25
 LEFT_S = 0.5
-"""The pace at which remains of ended processes are looked at again."""
+"""The interval between two looks at the remains of ended processes."""
 AWAKE_S, AWAKE_AT_THE_END_S = 1.0, 0.1
-"""Frozen for this long at most: a tenth of the patience with an executive that hangs, and with what is left of one."""
+"""The longest freeze: a tenth of its patience with an executive that hangs, and with the remains of one."""
 DEAD = "ZX"
 END, BEAT, REST = b".", b"!", b"_"
 SUSPICIOUS_S = 2.0
-"""From here on it is looked at who has the processor."""
+"""After this silence, it checks which threads have the processor."""
 OTHERS_EXCUSE = 2.0
-"""The thread that holds the interpreter's lock may wait for the processor in the main thread's stead. Threads that
-merely carry messages wait as well, so this excuses no longer than this many times its patience."""
+"""The main thread may wait for a lock whose holder waits for the processor. Threads that merely carry messages wait as
+well, so their waits excuse a silence only up to this multiple of the patience."""
 ELSEWHERE = "Dt"
-"""The main thread waits for a disk, or a debugger has it: it cannot be ended, or is stopped on purpose."""
+"""The main thread waits for a disk, or is stopped by a debugger: it cannot be killed, or was stopped on purpose."""
 
 
 class Process(NamedTuple):
-    """A process on this machine; `started` tells it from a later one of the same number, `number` is -1 without a
-    mark."""
+    """A process on this machine; `started` and the number identify it, `number` is -1 without a mark."""
 
     pid: int
     started: str
@@ -61,9 +67,10 @@ class Thread(NamedTuple):
 
 
 class Silence:
-    """The executive hangs: it was silent for `patience_s`, not counting the time that the machine kept from it. Pure.
+    """Detects that the executive hangs: it was silent for `patience_s`, minus the time in which it waited for the
+    processor. Pure.
 
-    One that a person has frozen (SIGSTOP, Ctrl-Z) counts as one that hangs: the robot cannot be stopped by it.
+    A frozen executive (SIGSTOP, Ctrl-Z) counts as hanging: it cannot stop the robot.
     """
 
     def __init__(self, patience_s: float) -> None:
@@ -79,7 +86,7 @@ class Silence:
         return self._waiting
 
     def beat(self, now: float) -> None:
-        """Hear that the main loop goes round."""
+        """Note that the main loop runs."""
         self._waiting, self._since, self._at, self._before = True, now, now, None
         self._counted = self._by_main = 0.0
 
@@ -88,7 +95,7 @@ class Silence:
         self._waiting = False
 
     def hangs(self, now: float, look: Callable[[], Mapping[int, Thread]], main: int) -> bool:
-        """Return whether it hangs; called about twice a second, or what goes by unseen is not counted."""
+        """Return whether it hangs; to be called about twice a second, as longer gaps are not counted."""
         if not self._waiting or now - self._since < SUSPICIOUS_S:
             return False
         threads = look()
@@ -114,21 +121,21 @@ def _waited(before: Thread, now: Thread, elapsed: float) -> float:
 
 
 def threads_of(pid: int) -> dict[int, Thread]:
-    """Look at the threads of a process; what cannot be read has had nothing."""
+    """Return the threads of a process; an unreadable one counts with zero times."""
     threads = {}
     with suppress(OSError):
         for name in os.listdir(f"/proc/{pid}/task"):  # noqa: PTH208 - importing pathlib takes too long
             with suppress(OSError, ValueError, IndexError):
                 state = _read(f"/proc/{pid}/task/{name}/stat").rpartition(b")")[2].split()[0].decode()
                 ran, waited = (0, 0)
-                with suppress(OSError):  # a kernel that counts nothing
+                with suppress(OSError):  # a kernel without these counters
                     ran, waited = map(int, _read(f"/proc/{pid}/task/{name}/schedstat").split()[:2])
                 threads[int(name)] = Thread(ran / 1e9, waited / 1e9, state)
     return threads
 
 
 class Run:
-    """The processes that the executive has started; only those of this user are searched to the bottom."""
+    """The processes that the executive has started. Only processes of this user are searched for them."""
 
     def __init__(self, mark: bytes, last_word: bytes, clock: Callable[[], float] = time.monotonic) -> None:
         self._mark = mark
@@ -142,11 +149,11 @@ class Run:
 
     @property
     def tidy(self) -> bool:
-        """Return whether nothing is known to be left behind by what has ended."""
+        """Return whether nothing is known to remain of ended processes."""
         return not self._left
 
     def hear(self, word: bytes) -> None:
-        """Take down what the executive has started, or what has ended."""
+        """Note the start or end of a process."""
         if word == END:
             return
         sign, number = word[:1], int(word[1:].split()[0])
@@ -166,16 +173,16 @@ class Run:
             self._left[number] = session
 
     def clear(self) -> None:
-        """End what processes that have ended have left behind; what is not gone at once is looked at again."""
+        """End the remains of ended processes; repeat later for those that are not gone at once."""
         sessions = {session: number for number, session in self._left.items()}
         found = self._end(sessions, self._left) if sessions else []
         still = {sessions.get(one.session, one.number) for one in found}
         self._left = {number: session for number, session in self._left.items() if number in still}
 
     def end(self, done: Callable[[], object]) -> None:
-        """Let end what ends by itself, then end the rest; return when nothing is left that can be ended.
+        """Wait for processes to end by themselves, then kill the rest; return when only unkillable ones are left.
 
-        Calls `done` again and again while none but guards are left.
+        Calls `done` repeatedly while only guards are left.
         """
         self._wait(self._clock() + PATIENCE_S)
         sessions = {*self._left.values(), *self._running.values()}
@@ -187,7 +194,7 @@ class Run:
             pause_s = min(2.0 * pause_s, LOOK_MOST_S)
 
     def _wait(self, until: float) -> None:
-        """Wait until all that the executive has started by itself is gone."""
+        """Wait until all processes that the executive itself has started are gone."""
         poll = select.poll()
         running = set()
         for pid in self._running.values():
@@ -201,10 +208,10 @@ class Run:
                 running.discard(fd)
 
     def _end(self, sessions: Collection[int], numbers: Collection[int] | None) -> list[Process]:
-        """Kill what belongs to these sessions or bears one of these marks (None: any); return what may still be there.
+        """Kill the processes of these sessions and with these marks (None: any mark); return those that may still
+        exist.
 
-        A fork that leaves faster than it is looked at is met as a group alone. A guard leads a group of
-        its own.
+        A process that forks faster than the search can only be killed by its group. A guard leads a group of its own.
         """
         for session in sessions:
             with suppress(OSError):
@@ -221,7 +228,7 @@ class Run:
         ]
 
     def _treat(self, process: Process) -> bool:
-        """Kill it, or continue it if it is a guard whose time is not over; say whether it is still ours to end."""
+        """Kill it, or continue it if it is a guard with time left; return whether it still has to be ended."""
         known = (process.pid, process.started)
         number = signal.SIGKILL
         if process.last_word_s > 0.0:
@@ -250,7 +257,7 @@ class Run:
                 yield found
 
     def _look(self, pid: int) -> Process | None:
-        """Return a process as it is now, unless it is dead; what it does not show us it does not have."""
+        """Return a process in its present state, unless it is dead; unreadable facts count as absent."""
         try:
             fields = _read(f"/proc/{pid}/stat").rpartition(b")")[2].split()
         except OSError:
@@ -278,16 +285,16 @@ def _read(path: str) -> bytes:
 
 
 def _after(environment: bytes, variable: bytes) -> bytes:
-    """Return what follows the beginning of a variable, up to its end."""
+    """Return the text from the beginning of a variable to its end."""
     return environment.partition(b"\0" + variable)[2].partition(b"\0")[0]
 
 
 def stay_awake(every_s: float) -> None:
-    """Have the kernel continue this process every so often, should it be frozen: who writes to it may be frozen too."""
+    """Have the kernel continue this process at intervals, in case it is frozen: its writer may be frozen too."""
     import ctypes  # noqa: PLC0415 - takes 30 ms, in which the executive does not wait for this program
 
     class Event(ctypes.Structure):
-        """`struct sigevent` of the C library: a signal at each expiry, as `way` 0 says."""
+        """`struct sigevent` of the C library; `way` 0 sends a signal at each expiry."""
 
         _fields_ = (
             ("value", ctypes.c_void_p),
@@ -303,12 +310,12 @@ def stay_awake(every_s: float) -> None:
         event = Event(number=signal.SIGCONT)
         if libc.timer_create(time.CLOCK_MONOTONIC, ctypes.byref(event), ctypes.byref(timer)) == 0:
             libc.timer_settime(timer, 0, (ctypes.c_long * 4)(*every, *every), None)
-    # a signal that is not taken is sent only once by newer kernels
+    # newer kernels send an ignored signal only once
     signal.signal(signal.SIGCONT, lambda _number, _frame: None)
 
 
 class Executive:
-    """The process that is watched: its beats go to `silence`."""
+    """The executive that the reaper watches: its beats go to `silence`."""
 
     def __init__(self, pid: int, hangs_s: float) -> None:
         self._pid = pid
@@ -323,7 +330,7 @@ class Executive:
             self._fd = -1
 
     def end_if_hung(self) -> bool:
-        """Kill it if it hangs, and say why on its standard error, which then has no other writer."""
+        """Kill it if it hangs, and report why on its standard error, which then has no other writer."""
         if self._fd < 0 or not self.silence.hangs(time.monotonic(), lambda: threads_of(self._pid), self._pid):
             return False
         with suppress(OSError):
@@ -335,10 +342,10 @@ class Executive:
 
 
 def say(text: str) -> None:
-    """Write a line to standard error, as far as that takes it at once."""
+    """Write a line to standard error, unless that would block."""
     with suppress(OSError):
         blocking = os.get_blocking(2)
-        os.set_blocking(2, False)  # a shell may share it: only for this moment
+        os.set_blocking(2, False)  # only for this moment: a shell may share it
         try:
             os.write(2, text.encode())
         finally:
@@ -346,7 +353,7 @@ def say(text: str) -> None:
 
 
 def main(mark: bytes, last_word: bytes, pid: bytes, hangs_s: bytes) -> None:
-    """Hear what the executive says for as long as it lives and beats, then end what is left."""
+    """Read the executive's words for as long as it lives and beats, then end its remains."""
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGPIPE, signal.SIGTTOU):
         signal.signal(number, signal.SIG_IGN)
     stay_awake(AWAKE_S)

@@ -1,4 +1,4 @@
-"""The executive's side of its reaper: a small process that outlives it, to end whatever else does."""
+"""The executive's side of its reaper: a small process that outlives it and ends its remains."""
 
 import itertools
 import os
@@ -17,22 +17,21 @@ from lbr.executive.processes import scheduling
 
 PROGRAM = Path(__file__).with_name("reap.py")
 END_S = 1.0
-"""The patience with its work, a few times its time on a busy machine."""
+"""The time for the reaper to finish, a few times what it needs on a busy machine."""
 LEAVE_S = 0.1
 BEAT_S = 1.0
 HANGS_S = 10.0
-"""The main loop goes round at least once a second; the longest that it took at a
-start, on two cores at load 15, were 0.6 s."""
+"""The main loop takes at most a second for a round. The longest at a start was 0.6 s, on two cores at load 15."""
 MOST_REMEMBERED = 64
-"""The number of ended drivers that a new reaper learns of: their guards may still speak."""
+"""The number of ended drivers that a new reaper learns of: their guards may still send."""
 END, BEAT, REST = ".", "!", "_"
 _LEFT: "list[subprocess.Popen[bytes]]" = []
 
 
 class Mark:
-    """The reaper's mark of a process and of all that it starts; `environment` goes into its own.
+    """The reaper's mark of a process and its descendants; `environment` goes into theirs.
 
-    Only a process in the session of one that `guards` may be a guard.
+    Guards can exist only in the session of a process with `guards`.
     """
 
     def __init__(self, reaper: "Reaper", number: int) -> None:
@@ -41,21 +40,21 @@ class Mark:
         self._began = "+"
         self.environment = {
             lifeline.MARK: f"{reaper.token}.{number:09d}"
-        }  # of one length: a forked process wears its own
+        }  # all have one length: a forked process writes its own over it
 
     def began(self, pid: int) -> None:
-        """Say which process it is; it leads a session."""
+        """Report which process it is; it leads a session."""
         said = self._reaper.known[self._number] = f"{self._began}{self._number} {pid}"
         self._reaper.say(said)
 
     def guards(self, pid: int) -> None:
-        """Say that it may leave a guard behind from now on."""
+        """Report that it may leave a guard behind from now on."""
         if self._began != "*":
             self._began = "*"
             self.began(pid)
 
     def ended(self, *, spared: bool = False) -> None:
-        """Say that it is no more: what it has left behind is ended now, or `spared` until the run ends."""
+        """Report its end: its remains are ended now, or, if `spared`, at the end of the run."""
         if (began := self._reaper.known.pop(self._number, None)) is not None:
             if self._began == "*":
                 self._reaper.left.append(f"={began.split()[1]}")
@@ -63,9 +62,10 @@ class Mark:
 
 
 class Reaper:
-    """Replaced when it dies; what is said to it continues it, if it is frozen. `say` may come from any thread.
+    """The reaper, which is replaced when it dies. Each word continues it if it is frozen.
 
-    From the first `beat` until `rest` it ends this process, should that not `beat` for `hangs_s`.
+    Any thread may call `say`. From the first `beat` until `rest`, the reaper ends this process if `beat` is not called
+    for `hangs_s`.
     """
 
     def __init__(self, hangs_s: float = HANGS_S) -> None:
@@ -87,19 +87,19 @@ class Reaper:
         return Mark(self, next(self._numbers))
 
     def beat(self) -> None:
-        """Say that the main loop goes round; cheap to call at every turn, and to be called from nowhere else."""
+        """Report that the main loop runs; cheap enough for every turn, and to be called from nowhere else."""
         now = time.monotonic()
         if now - self._beat_at >= BEAT_S:
             self._beat_at = now
             self.say(BEAT)
 
     def rest(self) -> None:
-        """Expect no beats of the main loop until the next one."""
+        """Announce that the main loop will not beat until the next call of `beat`."""
         self._beat_at = 0.0
         self.say(REST)
 
     def step(self) -> str:
-        """Replace it if need be; return why that cannot be, or nothing."""
+        """Replace it if need be; return why that fails, or an empty text."""
         if self._popen.poll() is None:
             return ""
         try:
@@ -113,17 +113,17 @@ class Reaper:
         return ""
 
     def say(self, word: str) -> None:
-        """Tell it; one that takes nothing is replaced at the next step, and told all again."""
+        """Send it a word; if its pipe is full, it is replaced at the next step, and gets all words again."""
         with self._lock:
             try:
                 os.write(self._pipe, f"{word}\n".encode())
             except BlockingIOError:
                 self._popen.kill()
-            except OSError:  # it is dead: the next step sees that
+            except OSError:  # it is dead: the next step notices
                 pass
 
     def close(self) -> None:
-        """Have it end what is left, as if this process had died; only guards that still speak are not waited for."""
+        """Let it end the remains, as if this process had died, but without waiting for guards that still send."""
         self.say(END)
         with self._lock:
             if self._pipe >= 0:
@@ -156,7 +156,7 @@ class Reaper:
                 start_new_session=True,
             )
             lifeline.wake(theirs, self._popen.pid)
-        except BaseException:  # also an interruption leaves nothing open; it goes on upwards
+        except BaseException:  # an interruption, too, must leave nothing open; it is raised again
             os.close(ours)
             raise
         finally:

@@ -1,4 +1,4 @@
-"""When a process that ended is started again, as an ordered list of decisions without a clock of its own."""
+"""The restart of a process that ended, as an ordered list of decisions without a clock of its own."""
 
 import signal
 from enum import Enum
@@ -19,7 +19,7 @@ NOT_STARTED = {
     127: "there is no such program, or what its first line names after #! is not there",
 }
 UNSEEN = 256
-"""The code of a process whose end was not seen, because the fork server had ended before; no process ends with it."""
+"""The exit code for an end that nobody saw, because the fork server had ended before; no process ends with it."""
 
 
 class End(Enum):
@@ -32,11 +32,11 @@ class End(Enum):
 
 
 CODES: dict[End, Code] = {End.CLEAN: "done", End.CRASHED: "failed", End.HUNG: "timeout", End.TAKEN: "failed"}
-"""Why a process that ended so is down, by the list of codes."""
+"""The reason, by the list of codes, that a process is down after such an end."""
 
 
 class Decision(Struct, frozen=True):
-    """`restart` after `delay_s`, rest in peace (`stopped`), or give up (`failed`) with the reason."""
+    """Restart after `delay_s` (`restart`), stay down (`stopped`), or give up (`failed`), with the reason."""
 
     phase: Literal["restart", "stopped", "failed"]
     delay_s: float = 0.0
@@ -46,7 +46,7 @@ class Decision(Struct, frozen=True):
 def decide(policy: str, end: End, deaths: tuple[float, ...], now: float, jitter: float) -> Decision:
     """Decide what follows an end. `deaths` are earlier ends within the window, `jitter` is -1 to 1.
 
-    0. It was taken along by another that shares its process, and is as good as before: restart at once.
+    0. It ended only because another capability ended their process: restart at once.
     1. Policy `never`: it stays down. 2. Policy `on-failure` and a clean end: it stays down. 3. More than five ends
     within 30 s: give up until an operator acts. 4. Otherwise restart after 0.1 s, doubled for each recent end, at most
     5 s, 20 % jitter either way. A minute of health forgets the past (the caller drops old deaths).
@@ -65,7 +65,7 @@ def decide(policy: str, end: End, deaths: tuple[float, ...], now: float, jitter:
 
 
 def ended_by(code: int, *, program: bool) -> str:
-    """Return what an exit code tells, below 0 a signal; `program` is one of the robot's own that may end by itself."""
+    """Return the meaning of an exit code, below 0 a signal; `program`: it may end by itself."""
     if code == 0 and not program:
         return "told to end, but not by the robot"
     if program and code in NOT_STARTED:

@@ -34,10 +34,10 @@ NO_REAPER = "if the executive were killed now, frozen processes would be left; t
 
 
 class RobotProcesses(Service):
-    """Starts and ends them by the plan that was adopted last. The `supervisor` has those of this machine.
+    """Starts and ends processes by the plan that was adopted last. The `supervisor` has those of this machine.
 
-    `begun(name)` notes a new process, and returns the emergency stop that it begins with. `learnt(name, rows)` receives
-    the rows that a capability has learnt.
+    `begun(name)` notes a new process, and returns the emergency stop with which it begins. `learnt(name, rows)`
+    receives the rows that a capability has learnt.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class RobotProcesses(Service):
         return self._doors.answers
 
     def take_over(self, plan: Plan, change: Change) -> None:
-        """Start and stop processes as another plan wants."""
+        """Start and stop processes as a new plan requires."""
         self._plan = plan
         self._doors.adopt(plan)
         self._hosts.adopt(plan)
@@ -119,7 +119,7 @@ class RobotProcesses(Service):
         return tuple(known[name] for name in self._plan.units if name in known)
 
     def movers(self) -> list[str]:
-        """Return the running capabilities that move something; from any thread."""
+        """Return the running capabilities that move something; may be called from any thread."""
         parts = list(self.supervisor.parts.items())
         return [name for name, part in parts if part.spec.moves and part.child is not None] + self._hosts.movers()
 
@@ -129,12 +129,12 @@ class RobotProcesses(Service):
         return part.child if part is not None else None
 
     def runs_since(self, name: str) -> float:
-        """Return when the process of a capability was started."""
+        """Return when a capability's process was started."""
         part = self.supervisor.parts.get(name)
         return part.started_at if part is not None else inf
 
     def restart(self, name: str, why: str = "") -> None:
-        """Restart a capability, with its past forgotten, and report why; InputError if it does not run."""
+        """Restart a capability, forget its earlier ends, and report why; raise InputError if it does not run."""
         if name not in self._plan.units:
             raise InputError(f"'{name}' does not run; {did_you_mean(name, self._plan.units)}", "unknown_name")
         if why:

@@ -1,8 +1,8 @@
-"""The ranks on a busy machine: movers of the robot first, mere users of it last.
+"""The ranks on a busy machine: movers of the robot first, its mere users last.
 
-A process in a session of its own is a scheduling group of its own where the kernel groups by session (autogroup), and
-niceness alone counts only within a group; so both are set, by the parent, which still has the right to. A rank that is
-not permitted is left as it is: /proc shows what was granted.
+Where the kernel groups by session (autogroup), a session is a scheduling group of its own, and niceness counts only
+within a group. So the parent, which still has the right to, sets both. A rank that is not permitted stays as it is:
+/proc shows the granted one.
 """
 
 import contextlib
@@ -15,14 +15,14 @@ from lbr.executive.planning.process_specs import ProcessSpec
 MOTION = -10
 USUAL = 0
 BACKGROUND = 10
-"""At 15 a machine that is quite full gives so little that what is asked of the black box is not answered within
-seconds."""
+"""At 15, a full machine runs the recorder so rarely that it answers only after seconds."""
 
 
 def niceness(unit: ProcessSpec) -> int:
-    """Return the niceness that a capability should have.
+    """Return the niceness for a capability.
 
-    Emulated devices rank with the drivers: real ones answer however busy the machine is. Stops come by what serves.
+    Movers come first, with servers, as stops come through them, and with drivers and emulated devices, as real devices
+    answer however busy the machine is.
     """
     if unit.moves or unit.serves or unit.family in {"driver", "simulation"}:
         return MOTION
@@ -32,7 +32,7 @@ def niceness(unit: ProcessSpec) -> int:
 class Rank:
     """The niceness of a process and of its session, if it leads one.
 
-    The session's file is opened at once, because a process that keeps its memory private takes it away from us.
+    The session's file is opened at once: it becomes inaccessible when the process makes its memory private.
     """
 
     def __init__(self, pid: int) -> None:
@@ -44,7 +44,7 @@ class Rank:
                 self._session = os.open(f"/proc/{pid}/autogroup", os.O_WRONLY | os.O_CLOEXEC)
 
     def set(self, nice: int) -> None:
-        """Ask for a niceness; what the kernel does not grant at once `retry` asks for again."""
+        """Set a niceness; `retry` repeats what the kernel does not grant at once."""
         with contextlib.suppress(OSError):
             for task in Path(f"/proc/{self._pid}/task").iterdir():
                 with contextlib.suppress(OSError):  # a thread that has ended
@@ -53,7 +53,7 @@ class Rank:
         self.retry()
 
     def retry(self) -> None:
-        """Ask again if need be: the kernel takes ten changes a second from a user that is not root."""
+        """Repeat a refused request: the kernel accepts ten changes a second from a user other than root."""
         if self._due is None:
             return
         try:
@@ -64,14 +64,14 @@ class Rank:
         self._due = None
 
     def close(self) -> None:
-        """Close what refers to the process."""
+        """Close the session's file."""
         if self._session >= 0:
             os.close(self._session)
             self._session, self._due = -1, None
 
 
 def rank(pid: int, nice: int) -> None:
-    """Give a process a niceness, once and for all."""
+    """Set the niceness of a process once."""
     found = Rank(pid)
     found.set(nice)
     found.close()

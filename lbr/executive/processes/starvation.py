@@ -1,7 +1,7 @@
-"""A process that is silent: does it hang, or does the machine not give it the processor? Pure, but for the reading.
+"""A silent process: does it hang, or does it wait for the processor? Pure, except for reading /proc.
 
-A thread that could run and is not given a processor is waiting, and the kernel counts how long. A thread that is
-stopped, waits for a lock, or turns in circles is not starved: one that is silent for longer than it waited hangs.
+The kernel counts how long a runnable thread waits for a processor. A thread that is stopped, waits for a lock, or runs
+in an endless loop is not starved. It hangs if its silence is longer than its wait.
 """
 
 import contextlib
@@ -15,25 +15,30 @@ from msgspec.structs import replace
 
 Verdict = Literal["fine", "starved", "hung"]
 SUSPICIOUS_S = 0.3
-"""A heartbeat comes five times a second; from here on it is looked at who has the processor."""
+"""A heartbeat comes five times a second; after this silence, the threads are looked at."""
 LOOKED_AT_S = 0.5
-"""By then it has been, unless who looks is held up as well; what went before is counted up to here."""
+"""By then a look has happened, unless the looker is delayed as well; the silence before it counts up to here."""
 OTHERS_STRETCH = 2.0
-"""The main thread may wait for what another thread of its process holds while that is not given the processor; but
-threads that merely carry messages wait as well, so this excuses no longer than this many times the usual patience."""
+"""The main thread may wait for a lock whose holder waits for the processor.
+
+Threads that merely carry messages wait as well, so their waits excuse a silence only up to this multiple of the usual
+patience.
+"""
 HARDLY_S = 0.1
-"""The longest wait of any thread."""
+"""A wait up to this is no starvation."""
 RUNS_SHARE = 0.25
-"""A round of a capability that runs takes some milliseconds of the processor. One that has had a quarter of its
-patience, and is silent for longer than that, turns in circles, however long it waited; one that starts may have much to
-do."""
+"""One round of a capability takes some milliseconds of the processor.
+
+If it has used this share of its patience and is still silent, it is in an endless loop, however long it waited. A start
+may work for longer.
+"""
 STARTING_WORK_S = 60.0
-"""So long a start may work: an emulated 64-bit ARM processor needs 17 s for the import of MuJoCo alone."""
+"""The processor time for a start: an emulated 64-bit ARM processor needs 17 s for the import of MuJoCo alone."""
 
 
 class Thread(Struct, frozen=True):
-    """The times of a thread so far: how long it `ran`, in how many `slices`, how long it `waited` for a processor, and
-    whether it could run. `since` is when it was first seen to have had so many slices."""
+    """The times of a thread so far: it `ran` in so many `slices`, and `waited` for a processor; whether it is
+    `runnable`. `since` is when a look first showed this number of slices."""
 
     ran: float = 0.0
     waited: float = 0.0
@@ -43,7 +48,7 @@ class Thread(Struct, frozen=True):
 
 
 class Look(Struct, frozen=True):
-    """A process at one moment of its silence: how long it had been silent, and its threads, the main one apart."""
+    """The threads of a process at one moment of its silence, with the main thread apart."""
 
     at: float
     main: Thread = Thread()
@@ -60,12 +65,11 @@ def verdict(
     may_run_s: float = inf,
     work_s: float = 0.0,
 ) -> Verdict:
-    """Judge a silence that lasts `silent_s`, of which `first` was the first look and `now` is the latest.
+    """Judge a silence that lasts `silent_s`, with its first look `first` and its latest look `now`.
 
-    Nothing excuses what went before the first look, but it counts no longer than a look should have taken to come. A
-    thread that ran for longer than `may_run_s` hangs. `stretch` is for how many times the patience threads beside the
-    main one excuse it; running itself excuses it for `work_s`. With patience left `fine`, also where it is only because
-    the first look came late.
+    The time before the first look has no excuse, but counts only up to LOOKED_AT_S. A main thread that ran for longer
+    than `may_run_s` hangs. Waits of other threads excuse it up to `stretch` times the patience, and its own run time up
+    to `work_s`. The verdict is `fine` while patience is left, even if that is only so because the first look came late.
     """
     if not silent_s > patience_s:
         return "fine"
@@ -84,10 +88,9 @@ def verdict(
 
 
 def following(before: Look, now: Look) -> Look:
-    """Return a look that knows of each thread for how long it has had no slice, as far as the looks before tell.
+    """Return a look with the time since each thread's last slice, as far as earlier looks show it.
 
-    A thread that is seen able to run has not waited ever since the first look: it may have slept, and been woken just
-    now.
+    A runnable thread has not necessarily waited since the first look: it may have slept, and been woken just now.
     """
     others = {one: _dated(before.others.get(one), thread, now.at) for one, thread in now.others.items()}
     return Look(now.at, _dated(before.main, now.main, now.at), others)
@@ -116,14 +119,14 @@ def waited_s(first: Look, now: Look) -> float:
 def look(pid: int, at: float, *, all_threads: bool = True, main: int = 0) -> Look:
     """Look at a process, whose main loop runs in the thread `main` or in its first one.
 
-    A kernel that counts nothing, or a process that is gone, has waited for nothing.
+    Without the kernel's counters, or once the process is gone, all waits are zero.
     """
     main = main or pid
     return _seen(_threads(pid) if all_threads else _read([Path(f"/proc/{pid}/task/{main}")]), main, at)
 
 
 class Looker:
-    """Looks as `look` does, and reads a process that several share once for all looks of one moment."""
+    """Looks as `look` does, and reads a shared process once for all looks of one moment."""
 
     def __init__(self) -> None:
         self._at = -inf

@@ -1,6 +1,6 @@
 """Reconciles the processes with the plan: starts in order, gates on readiness, restarts, stops motion first.
 
-Runs in one thread. The clock, the dice and the way to start a process are given, so that histories can be replayed.
+Runs in one thread. Clock, random numbers and process start are injected, so that tests can replay histories.
 """
 
 import random
@@ -32,15 +32,15 @@ DEGRADED_PATIENCE_S = 1.5
 WAY_S = 0.02
 LOOK_AGAIN_S = 0.2
 HEARTBEATS_S = 0.1
-"""The reports of ready processes are read together, so often. Each has its date; an end is noticed at once."""
+"""The interval at which the reports of ready processes are read. Each has its date; an end is noticed at once."""
 LOAD_S, BUSY_SHARE = 3.0, 0.4
-"""A process whose main thread waited for this share of the time is late with everything; a start costs others less."""
+"""A process whose main thread waited for this share of the time is late with everything; a start delays others less."""
 SETTLING_S = 2.5
-"""Until then after its first word, what a capability still waits for is no trouble: it is told if it lasts."""
+"""Until then after its first report, a degraded capability is not reported: the reason may disappear by itself."""
 RUNNING = frozenset({"ready", "degraded"})
 HELD = frozenset({"stopped", "failed"})
 BEGINS = frozenset({"not_ready", "not_armed"})
-"""The lack of a capability that has just begun, gone in a moment."""
+"""The codes of a capability that has just begun, gone in a moment."""
 MACHINE = "machine"
 
 
@@ -49,7 +49,7 @@ class Supervisor:
 
     A capability is ready for others once it is `present(name)` on the bus. `learnt(name, rows)` receives the rows that
     it has learnt, by table. `start(spec)` returns None while its router is being opened. At most `at_once` start at a
-    time; what moves, drives a device or serves does not wait for that. `poll()` sees which processes have news.
+    time; movers, drivers and servers are exempt from that. `poll()` checks which processes have news.
     """
 
     def __init__(
@@ -83,7 +83,8 @@ class Supervisor:
     def adopt(self, specs: Mapping[str, ProcessSpec], change: Change) -> None:
         """Adopt the processes of a plan: stop, restart and start those that changed, and leave the others alone.
 
-        A process that is to receive devices or rows goes on. While it still starts, it may miss them, and is restarted.
+        A process that is to receive devices or rows goes on. If it is still starting, it may miss them, and is
+        restarted.
         """
         informed = (*change.plug, *change.follow)
         starting = tuple(name for name in informed if self.parts[name].phase == "starting")
@@ -96,7 +97,7 @@ class Supervisor:
         self.parts = {name: self.parts[name] for name in specs}
 
     def restart(self, name: str) -> None:
-        """Restart a capability, with its past forgotten."""
+        """Restart a capability, and forget its earlier ends."""
         part = self.parts[name]
         self._retire(part)
         self.parts[name] = Part(part.spec)
@@ -120,9 +121,9 @@ class Supervisor:
         return timeout_s, fds
 
     def settled(self) -> bool:
-        """Return whether everything that should run does, or has given up; what is degraded gets a moment to recover.
+        """Return whether each capability runs or has given up.
 
-        A capability that reports its beginning gets as long as its first troubles are held back.
+        A degraded one gets a moment to recover, a longer one for the reasons in BEGINS.
         """
         return not self._leaving and all(self._is_settled(part) for part in self.parts.values())
 
@@ -141,7 +142,7 @@ class Supervisor:
         return True
 
     def step(self) -> float:
-        """Do what is due; return the seconds until the next thing that may be due without news from a process."""
+        """Do what is due; return the seconds until the next due step, provided that no process has news."""
         now = self._clock()
         self._poll()
         for part, child in self.children():
@@ -165,7 +166,7 @@ class Supervisor:
         return self._next(now)
 
     def shut_down(self, tick: Callable[[float], None], limit_s: float = 2.5) -> None:
-        """Stop motion first, then apps, operations, drivers and simulation; kill what does not end.
+        """Stop motion first, then apps, operations, drivers and simulation; kill processes that do not end.
 
         `tick(seconds)` waits for news from the processes.
         """
@@ -258,7 +259,7 @@ class Supervisor:
             self._announce_phase(part)
 
     def _announce_phase(self, part: Part) -> None:
-        """Tell how it is, unless that is what was told last."""
+        """Announce its phase and reason, unless they are the ones announced last."""
         before, part.announced, part.announce_at = part.announced, (part.phase, part.reason), inf
         if part.announced == before:
             return
@@ -276,7 +277,7 @@ class Supervisor:
             child.kill()
 
     def _why_hung(self, part: Part, child: Child, now: float) -> str:
-        """Say why a process counts as hung, or nothing; a program is known by its token alone, if it has one."""
+        """Return why a process counts as hung, or an empty text; a program counts by its liveliness token alone."""
         if part.spec.program is None:
             return f"no heartbeat for {now - part.beat_at:.1f} s" if self._hangs(part, child, now) else ""
         if part.spec.program.ready == "start":
@@ -287,7 +288,7 @@ class Supervisor:
         return missing if self._hangs(part, child, now) else ""
 
     def _hangs(self, part: Part, child: Child, now: float) -> bool:
-        """Return whether a silence is a hang; who is not given the processor does not hang."""
+        """Return whether a silence is a hang; a process starved of the processor does not hang."""
         silent_s, patience_s = now - part.beat_at, _patience_s(part)
         if not silent_s > SUSPICIOUS_S or now < part.look_at:
             return False
@@ -299,7 +300,7 @@ class Supervisor:
             part.look_at = min(now + LOOK_AGAIN_S, max(now, part.beat_at + patience_s))
             return False
         part.look_at = now + WAY_S
-        program = part.spec.program is not None  # its token is shown by any of its threads
+        program = part.spec.program is not None  # any of its threads shows its token
         judgement = verdict(
             silent_s,
             patience_s,
@@ -315,7 +316,7 @@ class Supervisor:
         return judgement == "hung"
 
     def _look_at_load(self, now: float) -> None:
-        """See who of those that run waits more for the processor than it has it; starting always takes a while."""
+        """Find the running processes that wait for the processor for too much of the time; a start always waits."""
         for part, child in self.children():
             before, part.usual = part.usual, None
             if part.phase not in RUNNING or niceness(part.spec) == BACKGROUND:
@@ -399,7 +400,7 @@ class Supervisor:
 
 
 def _look_due(part: Part) -> float:
-    """Return when its silence, if it lasts, is looked at next."""
+    """Return when to look at it next if its silence lasts."""
     if part.suspect is None or part.suspect.at < part.beat_at:
         return part.beat_at + SUSPICIOUS_S + WAY_S
     return part.look_at

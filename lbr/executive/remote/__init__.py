@@ -1,1 +1,1 @@
-"""The same on other machines: an agent there, and what the robot's own machine knows of it."""
+"""A robot's processes on other machines: the agent there, and its counterpart on the robot's own machine."""

@@ -4,7 +4,7 @@
           ▲                                                                                                 │
           └─────────────────────────────────────────────────────────────────────────────────────────────────┘
 
-Nothing goes on by itself after a loss: the processes are new ones, and leases died with the old.
+After a loss, nothing resumes by itself: the processes are new, and the old ones took their leases along.
 """
 
 import os
@@ -36,7 +36,7 @@ Say = Callable[[str], None]
 
 
 class Agent:
-    """Serves as one host of the robot at an endpoint, whenever that robot is there. `say` tells people."""
+    """Serves as one host of the robot at an endpoint, whenever that robot runs. `say` reports to people."""
 
     def __init__(self, host: str, endpoint: str, token_file: Path | None, robot: str | None, say: Say) -> None:
         self._host = host
@@ -51,8 +51,8 @@ class Agent:
         self._id = secrets.token_hex(8)
 
     def run(self) -> int:
-        """Serve until told to end, and return 0; raise RefusedError or InputError if the robot does not want us."""
-        scheduling.rank(os.getpid(), scheduling.MOTION)  # contact is to end with the link, not with a busy moment
+        """Serve until asked to end, and return 0; raise RefusedError or InputError if the robot refuses this host."""
+        scheduling.rank(os.getpid(), scheduling.MOTION)  # only a lost link may end the contact, not a busy moment
         keep_private()
         signal.set_wakeup_fd(self._main.wake_fd, warn_on_full_buffer=False)
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
@@ -64,7 +64,7 @@ class Agent:
             self._serve()
         if self._closing.is_alive():
             settle()
-            os._exit(0)  # its thread is in the bus library, and would hold up the end
+            os._exit(0)  # its thread is in the bus library, and would delay the end
         return 0
 
     def _serve(self) -> None:
@@ -80,7 +80,7 @@ class Agent:
                 self._pause()
 
     def _find_robot(self) -> Target:
-        """Return the robot; it must be there, know our token, and that must be one for this host."""
+        """Return the robot. It must run and know this token, which must be one for this host."""
         if not self._endpoint.startswith(remote.PROTOCOL):
             raise RefusedError(
                 f"a robot on another machine is reached by tls, as tls/192.168.1.7:7447: {self._endpoint}"
@@ -113,7 +113,7 @@ class Agent:
             self._close(bus)
 
     def _close(self, bus: session.Session) -> None:
-        """Leave the bus; without a link that lasts until there is one, so it is not waited for."""
+        """Leave the bus; without a link the bus library waits until there is one, so this does not wait for it."""
         self._closing = threading.Thread(target=bus.close, daemon=True)
         self._closing.start()
         self._closing.join(CLOSE_S)

@@ -1,4 +1,4 @@
-"""One stay of an agent with a robot: from the first report to the loss of contact, with the share in between."""
+"""One session of an agent with a robot: from the first report to the loss of contact, with the share in between."""
 
 import time
 from collections import deque
@@ -34,9 +34,9 @@ from lbr.messages.system import EstopState, Event, Status
 
 ANSWER_S = 1.0
 TAKEN_S = host_protocol.GONE_S + 1.0
-"""An agent that died is forgotten by then, and this one takes its place."""
+"""By then the robot has forgotten a dead agent, and this one takes its place."""
 END_S, LOST_END_S = 2.5, 0.5
-"""The time of the processes to end; without contact they can only wait for what does not come."""
+"""The time for the processes to end; without contact, nothing that they wait for comes."""
 TRIM_S = 1.0
 MOST_WAITING = 64
 _shares = Decoder(HostShare)
@@ -45,7 +45,7 @@ _statuses = Decoder(Status)
 
 
 class AgentSession:
-    """Supervises a host's share on this machine; lives on the thread of `main`."""
+    """Supervises a host's share on this machine; to be used from the thread of `main`."""
 
     def __init__(
         self,
@@ -97,8 +97,7 @@ class AgentSession:
         self._over = ""
 
     def run(self, stopping: Callable[[], bool]) -> str:
-        """Return why contact ended, with every process of the share ended; raise RefusedError if there never was
-        any."""
+        """Return why contact ended, once all processes of the share have; raise RefusedError if it never began."""
         try:
             while not (self._over or stopping()):
                 now = time.monotonic()
@@ -183,7 +182,7 @@ class AgentSession:
         return f"the robot has lbr {theirs} and this machine {self._version}; install the same on both"
 
     def _delivered(self) -> None:
-        """Forget what has been told."""
+        """Forget the reports that were acknowledged."""
         told = self._told
         if told is not None:
             self._events = deque((one for one in self._events if one not in told.events), self._events.maxlen)
@@ -207,7 +206,7 @@ class AgentSession:
         raise RefusedError(f"the token '{self._host}' is not one for a host: {how}")
 
     def _leave(self) -> None:
-        """Say that the share has ended here, without a long wait."""
+        """Report that the share has ended here, without a long wait."""
         question = self._report(leaving=True)
         until = time.monotonic() + host_protocol.REPORT_S
         while not (question.replies or question.done) and time.monotonic() < until:
@@ -216,7 +215,7 @@ class AgentSession:
     # -- with the processes -------------------------------------------------------------------------------------------
 
     def _adopt(self, placed: tuple[Placed, ...]) -> None:
-        """Start, stop and restart what differs from what runs here."""
+        """Start, stop and restart the processes that differ from the running ones."""
         before, after = self._placed, {share.unit.name: share for share in placed}
         change = plans.Change(
             start=tuple(name for name in after if name not in before),
@@ -259,7 +258,7 @@ class AgentSession:
         self._events.append(Event(kind=kind, subject=subject, text=told, level=level, code=code))  # type: ignore[arg-type]
 
     def _learnt(self, name: str, rows: dict[str, Raw]) -> None:
-        """Go on with what was learnt here: rows that say the same restart nothing."""
+        """Keep rows that were learnt here: a share with the same rows restarts nothing."""
         if name in self._placed:
             one = replace(self._placed[name], unit=with_learnt(self._placed[name].unit, rows))
             self._placed[name] = one

@@ -1,4 +1,4 @@
-"""The messages of the executive and the agent on another machine: a report, answered with the share."""
+"""The messages between the executive and the agent on another machine: a report, answered with the share."""
 
 from hashlib import blake2b
 from importlib import metadata
@@ -12,27 +12,27 @@ from lbr.messages.system import CapabilityStatus, Event
 
 REPORT_S = 0.2
 LOST_S = 2.0
-"""An agent that is not answered for this long ends its share; one whose link is lost does at once."""
+"""An agent without an answer for this long ends its share; one whose link is lost ends it at once."""
 GONE_S = 3.0
-"""An agent that does not report for this long is gone; a lost link or a dead agent counts at once."""
+"""An agent without a report for this long is gone; a lost link or a dead agent counts at once."""
 TOLD = frozenset(["started", "recovered", "degraded", "stopped", "crashed", "hung", "ended", "failed", "need_lost"])
-"""The reports of a supervisor about its processes; an agent is believed nothing else."""
+"""The reports of a supervisor about its processes; no others are accepted from an agent."""
 MOST_EVENTS = 16
 LONGEST_TEXT = 500
 
 
 class Learnt(Struct, frozen=True, kw_only=True):
-    """Rows that a capability has learnt, by table: to be written down."""
+    """Rows that a capability has learnt, by table: to be stored."""
 
     name: str
     rows: dict[str, Raw]
 
 
 class HostReport(Struct, frozen=True, kw_only=True):
-    """The state of a share of the robot: `agent` tells one run of an agent from others, `where` is its place for
+    """The state of a share of the robot: `agent` identifies one run of an agent, `where` describes its place for
     people.
 
-    `share` is the mark of the share it has. `events` and `learnt` are told until there is an answer.
+    `share` is the mark of its share. `events` and `learnt` are repeated until they are answered.
     """
 
     agent: str
@@ -45,14 +45,14 @@ class HostReport(Struct, frozen=True, kw_only=True):
 
 
 class Placed(Struct, frozen=True, kw_only=True):
-    """A process of a share; `restarts` is how often a restart of it was asked for."""
+    """A process of a share; `restarts` counts the requests to restart it."""
 
     unit: ProcessSpec
     restarts: int = 0
 
 
 class HostShare(Struct, frozen=True, kw_only=True):
-    """The answer: `units` are told if the agent has others. `ended`: the robot shuts down, and its processes end."""
+    """The answer: `units` are sent if the agent has others. `ended`: the robot shuts down, and its processes end."""
 
     accepted: bool
     code: ReasonCode = ""
@@ -64,10 +64,10 @@ class HostShare(Struct, frozen=True, kw_only=True):
 
 
 def version() -> str:
-    """Return the version of lbr that both ends must have."""
+    """Return the version of lbr, which must be the same at both ends."""
     return metadata.version("lbr")
 
 
 def mark(units: tuple[Placed, ...]) -> str:
-    """Return what tells a share from others."""
+    """Return the mark that identifies a share."""
     return blake2b(msgspec.json.encode(units), digest_size=8).hexdigest()

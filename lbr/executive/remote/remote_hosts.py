@@ -1,5 +1,4 @@
-"""The other machines that a robot's processes run on, as the executive sees them: who is there, and how its share
-is."""
+"""The other machines that run a robot's processes, as the executive sees them: presence, and state of the shares."""
 
 from collections.abc import Callable, Mapping
 from math import inf
@@ -22,7 +21,7 @@ _reports = Decoder(HostReport)
 
 
 class Host:
-    """One machine: its share, and the agent that has it, if there is one."""
+    """One machine: its share, and its agent while there is one."""
 
     def __init__(self, name: str, served: wire.QueryServer) -> None:
         self.name = name
@@ -40,7 +39,7 @@ class RemoteHosts(Service):
     """Answers agents, at the key that `served` has for each host, from one thread.
 
     `happened(kind, subject, text, level, code)` receives events for people, `learnt(name, rows)` rows to write down,
-    and `begun(name)` each new process there. A capability is `present(name)` on the bus or not.
+    and `begun(name)` each new process there. `present(name)` is whether a capability is on the bus.
     """
 
     def __init__(
@@ -64,7 +63,7 @@ class RemoteHosts(Service):
         self._hosts = {name: Host(name, one) for name, one in served.items()}
 
     def adopt(self, plan: Plan) -> None:
-        """Take over a plan's processes; each host gets its share with the answer to its next report."""
+        """Adopt a plan; each host gets its share with the answer to its next report."""
         self._ways = plan.lan
         for host in self._hosts.values():
             host.units = {name: unit for name, unit in plan.units.items() if unit.config.host == host.name}
@@ -76,7 +75,7 @@ class RemoteHosts(Service):
             host.mark = mark(host.share)
 
     def restart(self, name: str) -> bool:
-        """Have a process restarted, if it is on another machine; say whether it is."""
+        """Have a process restarted, if it is on another machine; return whether it is."""
         host = next((host for host in self._hosts.values() if name in host.units), None)
         if host is not None:
             self._restarts[name] = self._restarts.get(name, 0) + 1
@@ -84,11 +83,11 @@ class RemoteHosts(Service):
         return host is not None
 
     def end(self) -> None:
-        """Have all processes elsewhere end: the robot shuts down."""
+        """Have all processes on other machines end: the robot shuts down."""
         self._ended = True
 
     def step(self, now: float) -> float:
-        """Answer who has reported, and see who is gone; return when to be called again."""
+        """Answer reports, and detect lost agents; return when to be called again."""
         for host in self._hosts.values():
             for request in host.served.take():
                 request.reply(self._answer(host, request, now), "executive")
@@ -97,11 +96,11 @@ class RemoteHosts(Service):
         return min((host.heard_at + GONE_S for host in self._hosts.values() if host.agent), default=inf)
 
     def capabilities(self) -> dict[str, CapabilityStatus]:
-        """Return the status of every process elsewhere."""
+        """Return the status of every process on other machines."""
         return {name: self._status(host, unit) for host in self._hosts.values() for name, unit in host.units.items()}
 
     def movers(self) -> list[str]:
-        """Return what moves something, runs, and is in contact; from any thread."""
+        """Return the capabilities that move something, run, and are in contact; may be called from any thread."""
         return [
             name
             for host in self._hosts.values()
@@ -153,7 +152,7 @@ class RemoteHosts(Service):
                 self._learnt(one.name, one.rows)
 
     def _why_gone(self, host: Host, now: float) -> str:
-        """Say why an agent counts as gone, or nothing; its token may come a little later than its first report."""
+        """Return why an agent counts as gone, or an empty text; its token may come shortly after its first report."""
         here = self._present(keys.agent(host.name))
         lost, host.seen = host.seen and not here, here
         return "is out of reach" if lost else "is silent" if not now - host.heard_at < GONE_S else ""
@@ -169,7 +168,7 @@ class RemoteHosts(Service):
         found = host.states.get(unit.name) if host.agent else None
         if found is not None:
             ready = found.phase not in {"ready", "degraded"} or self._present(unit.name)
-            return found if ready else replace(found, phase="starting")  # there, but it cannot be asked from here yet
+            return found if ready else replace(found, phase="starting")  # it runs, but cannot be asked from here yet
         reason = f"host '{host.name}' begins" if host.agent else self._what_to_type(host.name, unit)
         return CapabilityStatus(
             name=unit.name,

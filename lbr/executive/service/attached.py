@@ -1,5 +1,4 @@
-"""The plugged-in devices, for pages: `lbr devices` looks in a process of its own, so that no device holds the executive
-up."""
+"""The plugged-in devices, for pages. The process of `lbr devices` looks for them, so that no device blocks this one."""
 
 import subprocess
 import sys
@@ -16,7 +15,7 @@ LONGEST_TEXT = 300
 
 
 def look(robot: str, database: Path) -> Any:
-    """Return what `lbr devices --json` says, which writes nothing; InputError says why it says nothing."""
+    """Return the output of `lbr devices --json`, which writes nothing; raise InputError if it fails."""
     words = [sys.executable, "-m", "lbr.start", "devices", "--json", "--robot", robot, "--db", str(database)]
     try:
         done = subprocess.run(words, capture_output=True, timeout=WITHIN_S, stdin=subprocess.DEVNULL, check=False)

@@ -16,7 +16,7 @@ REPORTS = ("telemetry", "settings", "statistics", "health", "events", "wiring", 
 
 
 class _Known:
-    """The values that a robot knows of a field of one capability's command."""
+    """A robot's known values for the fields of one capability's commands."""
 
     def __init__(self, plan: Plan, home: Path, name: str) -> None:
         self.home = home
@@ -30,7 +30,7 @@ class _Known:
 
 
 def choices(plan: Plan, home: Path) -> dict[str, Iterable[str]]:
-    """Return the known values by `capability.command` for its first field, or with `.field` at its end for that one."""
+    """Return the known values by `capability.command` for its first field, by `capability.command.field` for others."""
     values: dict[str, Iterable[str]] = {
         "executive.report": REPORTS,
         "executive.help": sorted({row.word for row in (*BUILT_IN_VERBS, *plan.rows.verbs)}),

@@ -20,16 +20,15 @@ MAX_LINE_BYTES = 1 << 16
 MOST_UNDER_WAY = 64
 STOPPERS = 16
 MOST_STOPPERS = 256
-"""Stops that wait for something that does not answer, each 2 s at most: as many as come in that time from all who
-may."""
+"""As many stops as all permitted senders may send within 2 s, the longest wait for a mover that does not answer."""
 
 
 class Stops:
-    """Answers stops, several at once. Those that the same source says in the same words, and that were not begun to
-    answer, are one: it is done after the last of them came, and answers all.
+    """Answers stops, several at once. Equal stops of one source that still wait are combined: one stop answers them
+    all.
 
-    Its threads are there from the beginning, so that a machine that has no more to give does not cost the stop. Where
-    all of them wait, more are begun for as long as there is something to do.
+    Its threads start at the beginning, so that stops work even on a machine that starts no more threads. While all of
+    them wait, more are started for as long as stops come.
     """
 
     def __init__(self, answer: Callable[[wire.Request, str | bytes, Role], ConsoleResult]) -> None:
@@ -45,7 +44,7 @@ class Stops:
             threading.Thread(target=self._run, name=f"stop_{number}", daemon=True).start()
 
     def put(self, request: wire.Request, line: str | bytes, role: Role) -> None:
-        """Answer it as soon as may be."""
+        """Answer a stop as soon as possible."""
         found = stamp.read(request.attachment)
         who = (sender(found), bool(found and found.via))
         with self._changed:
@@ -55,13 +54,13 @@ class Stops:
                 self._begin_helper()
 
     def close(self) -> None:
-        """Begin no more; those under way end by themselves."""
+        """Begin no more stops; those under way end by themselves."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()
 
     def _begin_helper(self) -> None:
-        with contextlib.suppress(RuntimeError):  # the machine has no more to give: those that are there do it later
+        with contextlib.suppress(RuntimeError):  # the machine starts no more threads: the running ones answer later
             threading.Thread(target=self._run, args=(True,), name="stop_more", daemon=True).start()
             self._helpers += 1
 
@@ -89,7 +88,7 @@ class Stops:
 
 
 class ConsoleService(Service):
-    """Takes lines straight from the bus's thread, so that nothing the executive waits for delays them."""
+    """Receives lines directly on the bus's thread, so that they never wait for the executive."""
 
     def __init__(
         self,
@@ -111,7 +110,7 @@ class ConsoleService(Service):
                 self._lines[role, page] = wire.QueryServer(bus, key, self._take, puts=False, source="executive")
 
     def close(self) -> None:
-        """Take no more lines; those under way end by themselves."""
+        """Accept no more lines; those under way end by themselves."""
         for lines in self._lines.values():
             lines.close()
         self._talk.shutdown(wait=False, cancel_futures=True)
@@ -160,7 +159,7 @@ class ConsoleService(Service):
 
 
 def _line(payload: bytes) -> str | bytes:
-    """Return the line: plain text, a JSON string, or what a capability says as a `LineCommand`."""
+    """Return the line: plain text, a JSON string, or a capability's `LineCommand`."""
     if payload[:1] in {b'"', b"{"}:
         with contextlib.suppress(ValueError, RecursionError):
             said = json.loads(payload)

@@ -1,4 +1,4 @@
-"""The description of the robot, for programs and pages that know nothing of it: out of the plan that runs. Pure."""
+"""The description of the robot for programs and pages that know nothing about it: from the running plan. Pure."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -23,7 +23,7 @@ from lbr.messages.speech import Phrase
 
 
 def describe(plan: Plan, words: Iterable[dict[str, Any]]) -> RobotDescription:
-    """Return what a robot is that runs by a plan; `words` are what can be said at its console."""
+    """Return the description of a robot that runs a plan; `words` are the words of its console."""
     return RobotDescription(
         robot=plan.robot,
         simulated=any(unit.config.simulated for unit in plan.units.values()),
@@ -38,7 +38,7 @@ def describe(plan: Plan, words: Iterable[dict[str, Any]]) -> RobotDescription:
 
 
 def _base(plan: Plan) -> BaseDescription | None:
-    """Return what the base can do: by the first capability that takes a twist, and by its speed at full power."""
+    """Return the abilities of the base: by the first capability that takes a twist, and by its speed at full power."""
     for unit in plan.units.values():
         kind = plan.kinds[unit.name]
         if not any(kind.command(name).message is TwistCommand for name in kind.commands):
@@ -72,7 +72,7 @@ def _capability(plan: Plan, unit: ProcessSpec) -> CapabilityDescription:
 
 
 def _published(plan: Plan, unit: ProcessSpec) -> list[str]:
-    """Return the outputs under the unit's own name; a setpoint goes to another's."""
+    """Return the outputs under the capability's own name; a setpoint is published under another's."""
     wires = unit.config.outputs.items()
     return [name for name, keyed in wires if keys.port(plan.robot, unit.name, name) in {wire.key for wire in keyed}]
 

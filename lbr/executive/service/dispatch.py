@@ -39,14 +39,14 @@ BOUNDED_RUN_S = 86_400.0
 MOST_LEASES = 256
 MOST_RECORDED = 200
 ROWS = "rows"
-"""A report that on other machines and pages only those may look at who may look at rows there."""
+"""A report that on other machines and pages is only for those who may look at rows there."""
 
 
 class _Speaker(NamedTuple):
-    """The sender of a line, its rights, whether it is the robot's own terminal, and when.
+    """The sender of a line: its rights, whether it is the robot's own terminal, and the time.
 
-    `remote_stamp` is the stamp of a line from another machine, which goes on to whom it concerns as it is. It had
-    `waited_s` there. By a `page` the server for people sends it, in the name of the person there.
+    `remote_stamp` is the stamp of a line from another machine, which is passed on unchanged; the line had waited there
+    for `waited_s`. `page`: the server for people sends it in a person's name.
     """
 
     source: str
@@ -59,7 +59,7 @@ class _Speaker(NamedTuple):
 
     @property
     def audit_name(self) -> str:
-        """Return the name for the audit trail: from another machine with the token that the door saw proven."""
+        """Return the name for the audit trail; from another machine, with the token that the door has verified."""
         if not self.remote_stamp:
             return self.source
         found = stamp.read(self.remote_stamp)
@@ -73,16 +73,16 @@ class _Speaker(NamedTuple):
 
     @property
     def origin(self) -> stamp.Origin:
-        """Return whose line it is and when it was written, for a program that it starts."""
+        """Return the origin of the line, for a program that it starts."""
         return stamp.Origin(self.source, self.sent_s - self.waited_s)
 
     def holder(self, capability: str) -> tuple[str, str, bool]:
-        """Return whose motion of what it is: a name from another machine is never that of a local one."""
+        """Return the holder of a capability's motion: a name from another machine is never that of a local sender."""
         return capability, self.source, bool(self.remote_stamp)
 
 
 class Dispatcher:
-    """Executes lines. Blocks the calling thread for as long as the robot takes to answer, two seconds at most."""
+    """Executes lines. Blocks the calling thread until the robot answers, two seconds at most."""
 
     def __init__(self, robot: Robot, bus: Session, namespace: Mapping[str, Any]) -> None:
         self._robot = robot
@@ -119,9 +119,9 @@ class Dispatcher:
         waited_s: float = 0.0,
         page: bool = False,
     ) -> ConsoleResult:
-        """Return what became of a line; never raises. `sent_s` is when it was said, by the monotonic clock.
+        """Return the result of a line; never raises. `sent_s` is when it was sent, by the monotonic clock.
 
-        `remote_stamp` is its stamp if it came from another machine; for `waited_s` it had waited since it was typed or
+        `remote_stamp` is its stamp if it came from another machine; `waited_s` is its age since it was typed or
         written.
         """
         try:
@@ -142,7 +142,7 @@ class Dispatcher:
             )
 
     def greeting(self) -> str:
-        """Return the text that the robot's own console shows once all is up."""
+        """Return the greeting of the robot's own console, once all parts run."""
         page = no_page = ""
         try:
             page = self._letting_in.page()
@@ -187,7 +187,7 @@ class Dispatcher:
         if lease and answer is not None and answer.get("code") == "dead_lease":
             self._leases.pop(
                 by.holder(name), None
-            )  # what we held is over; this line may begin a new motion, dated as it was said
+            )  # the motion that we held is over; this line may begin a new one, with its own date
             answer = self._query(call, payload, by)
         if answer is None:
             text = f"'{name}' did not answer; {self._why_silent(name)}"
@@ -254,7 +254,7 @@ class Dispatcher:
         return next((unit for unit in self._robot.status().capabilities if unit.name == name), None)
 
     def _stop(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
-        """Stop whatever moves, all of it at once: what one does not answer delays the stop of no other."""
+        """Stop all motion at the same time: a mover that does not answer delays no other stop."""
         robot = self._robot.plan.robot
         movers = {keys.port(robot, name, STOP): name for name in self._robot.plan.stoppable()}
         if not movers:
@@ -310,7 +310,7 @@ class Dispatcher:
         return ConsoleResult(code=DONE, text=f"'{name}' is restarting")
 
     def _address(self, name: str, timeout_s: float) -> dict[str, Any] | None:
-        """Return where a server is; None if it does not say."""
+        """Return the address of a server; None if it does not answer."""
         key = keys.port(self._robot.plan.robot, name, "address")
         for answer in wire.ask(self._bus, key, {}, source=EXECUTIVE, timeout_s=timeout_s):
             with contextlib.suppress(MalformedError):
@@ -342,7 +342,7 @@ def _not_allowed(needed: Role, by: _Speaker) -> Reason | None:
 
 
 def _stopped(name: str, answer: object) -> tuple[str, bool]:
-    """Return what became of a stop, as one mover answers it, and whether it stopped."""
+    """Return the result of a stop by one mover's answer, and whether it stopped."""
     if isinstance(answer, dict) and answer.get("accepted"):
         return str(answer.get("reason", "")) or STOPPED, True
     reason = answer.get("reason") if isinstance(answer, dict) else None

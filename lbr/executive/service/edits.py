@@ -1,4 +1,4 @@
-"""Edits of rows that capabilities ask for: the rows that a kind may write, in the name of a person."""
+"""Edits of rows for capabilities: of rows that a kind may write, in the name of a person."""
 
 import time
 from collections.abc import Callable
@@ -22,13 +22,13 @@ from lbr.messages.faces import EditCommand, EditReply
 from lbr.messages.rows import Row
 
 WAITED_FOR_S = 5.0
-"""A capability waits this long; a later edit restarts it, since it may not know."""
+"""A capability waits this long; a later edit restarts it, as it may not have learnt the result."""
 SLOW_S = 1.0
 _commands = Decoder(EditCommand)
 
 
 class Edit(Struct, frozen=True):
-    """An edit that a capability asks for: by which process, and since when."""
+    """A capability's request for an edit: its process, and the time."""
 
     name: str
     command: EditCommand
@@ -38,7 +38,7 @@ class Edit(Struct, frozen=True):
 
 
 class Edits:
-    """Reads edits, and writes them if `judge` accepts the rows; `process(name)` is a capability's process now."""
+    """Reads requests for edits, and writes those that `judge` accepts; `process(name)` is a capability's process."""
 
     def __init__(
         self,
@@ -60,7 +60,7 @@ class Edits:
         self._clock = clock
 
     def read(self, request: wire.Request) -> Job:
-        """Return the edit of a capability that is wired to this, of rows that its kind may write."""
+        """Return the edit that a wired capability requests, of rows that its kind may write."""
         sender = stamp.read(request.attachment)
         name = sender.source if sender is not None else ""
         if not self._may(name):
@@ -75,7 +75,7 @@ class Edits:
         return EditReply(accepted=False, reason=reason, code=code, revision=self._rows.plan.rows.revision)
 
     def _may(self, name: str) -> bool:
-        """Return whether rows wire a capability to this; the bus lets in no other, but a name in a stamp is a claim."""
+        """Return whether rows wire a capability to this; the bus admits no other, but a stamp proves nothing."""
         plan = self._rows.plan
         asked = plan.units[name].config.requests.values() if name in plan.units else ()
         return any(one.get(EXECUTIVE) == keys.edit(plan.robot) for one in asked)

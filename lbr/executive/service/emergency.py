@@ -1,6 +1,7 @@
-"""The emergency stop's keeper: persists the latch, repeats it until every device has acknowledged, releases it.
+"""The emergency stop: stores the latch, repeats it until every device has acknowledged it, and releases it.
 
-Movers hear the stop directly, on sessions of their own: what is put on `@estop` reaches them past the executive.
+Movers receive the stop directly on sessions of their own: a message on `@estop` does not need the executive to reach
+them.
 """
 
 import contextlib
@@ -30,7 +31,7 @@ SHORTEST_S = 0.2
 ACKNOWLEDGE_LIMIT_S = 0.5
 RELEASE_S = 1.0
 ALONE_S = 0.5
-"""The time by which a mover may report its latch before the same press arrives here."""
+"""For so long, a mover may report its latch before the same press arrives here."""
 MOST_RESETS = 4
 RELEASED = "emergency stop released; the next command may move the robot"
 NOT_SAVED = "the emergency stop's latch is not on the disk"
@@ -39,7 +40,7 @@ _acknowledgements = Decoder(EstopAcknowledgement)
 
 
 class Emergency(Service):
-    """`movers()` names the capabilities that must acknowledge, `persist(engaged, reason)` must reach the disk."""
+    """`movers()` names the capabilities that must acknowledge; `persist(engaged, reason)` must write to the disk."""
 
     def __init__(
         self,
@@ -72,7 +73,7 @@ class Emergency(Service):
         self._count = 0
         self._halts = Halts()
         self._releasing = 0
-        self._unsaved = state.engaged  # in the other place too, if only one knew
+        self._unsaved = state.engaged  # store it at the other place, too, if only one had it
         self._save_tried = True
         self._save_at = 0.0
         self._news: deque[tuple[str, str, str, str]] = deque(maxlen=100)
@@ -87,7 +88,7 @@ class Emergency(Service):
         )
 
     def state(self) -> EstopState:
-        """Return the latch and its acknowledgements; from any thread."""
+        """Return the latch and its acknowledgements; may be called from any thread."""
         if not self._engaged:
             return EstopState(engaged=False, reason="")
         movers = set(self._movers())
@@ -105,10 +106,10 @@ class Emergency(Service):
         )
 
     def press(self, reason: str, source: str) -> EstopState:
-        """Latch, and wait until every mover's device has acknowledged, at most as long as their rows say; from any
+        """Latch, and wait until every mover's device has acknowledged, at most for the time in their rows; from any
         thread.
 
-        Movers do not wait for the disk, but the one who pressed does, unless it fails.
+        Movers do not wait for the disk. The sender of the stop does, unless the disk fails.
         """
         wire.put(
             self._session,
@@ -126,20 +127,20 @@ class Emergency(Service):
         return self.state()
 
     def release(self, source: str, written_s: float) -> Reason | None:
-        """Release every mover, then the latch; return why not, or nothing. From any thread but the executive's own.
+        """Release every mover, then the latch; return why not, or None. From any thread but the executive's own.
 
-        A reset that was written before another than `source` pressed it releases nothing. A press that comes meanwhile
-        wins: what was released already is latched again. Waits for the disk, unless that fails or takes half a second.
-        A stop is never so short that a stream of commands has not met it.
+        A reset that was written before somebody else than `source` pressed the stop releases nothing. A press meanwhile
+        wins: movers that were already released are latched again. The caller waits for the disk, unless that fails or
+        takes half a second. A stop always lasts long enough to interrupt a stream of commands.
         """
         with self._changed:
             presses, (at, who) = self._count, self._halts.by_others(source)
-        if not written_s > at:  # this way round, NaN was written too early
+        if not written_s > at:  # this way round, NaN counts as too early
             return Reason("stopped_since", f"{STOPPED_SINCE}by {who}")
         time.sleep(max(0.0, min(SHORTEST_S, self._latched_at + SHORTEST_S - time.monotonic())))
         with self._changed:
             self._announce()
-            self._releasing += 1  # a repetition now would latch again what has just been released
+            self._releasing += 1  # a repetition now would latch again the movers that are being released
         try:
             why_not = self._release(source)
         except LbrError as err:
@@ -164,20 +165,19 @@ class Emergency(Service):
         return Reason("refused", why_not) if why_not else None
 
     def forget(self, name: str) -> None:
-        """Take back a mover's acknowledgement: its process is a new one."""
+        """Remove a mover's acknowledgement: its process is a new one."""
         with self._changed:
             self._stopped.discard(name)
             self._alone.pop(name, None)
             self._begun[name] = time.monotonic()
 
     def _deadline(self, name: str) -> float:
-        """Return until when a mover's device has time to acknowledge: as long as it says since it was latched, or
-        began."""
+        """Return until when a mover's device may acknowledge, counted from the latch or its process's start."""
         within_s = self._within_s.get(name, ACKNOWLEDGE_LIMIT_S)
         return max(self._latched_at, self._begun.get(name, -inf)) + within_s
 
     def _release(self, source: str) -> str:
-        """Release all movers at once, since those that follow others answer once these are armed; return why not."""
+        """Release all movers at once, as some answer only once those that they follow are armed; return why not."""
         payload = wire.encode(EstopRelease(by=source))
         asked = {name: self._asked_to_release(name, payload) for name in self._movers()}
         until = time.monotonic() + RELEASE_S
@@ -203,7 +203,7 @@ class Emergency(Service):
             self._answered.notify_all()
 
     def step(self, now: float) -> float:
-        """Write down what is new, repeat what is not acknowledged; return when to be called again."""
+        """Store news, repeat the stop until it is acknowledged; return when to be called again."""
         with self._changed:
             if now >= min(self._alone.values(), default=inf) + ALONE_S:
                 name = next(iter(self._alone))
@@ -239,7 +239,7 @@ class Emergency(Service):
                     request,
                     source=self._source or "executive",
                     urgent=True,
-                    to_others=True,  # what is heard here counts as a press
+                    to_others=True,  # a stop that is received here counts as a press
                 )
         return self._repeat_at
 
@@ -261,7 +261,7 @@ class Emergency(Service):
             why = str(err)
         self._journal.trouble(NOT_SAVED, why)
         with self._changed:
-            if not self._unsaved:  # or it has changed meanwhile, and that is not on the disk yet
+            if not self._unsaved:  # or it has changed meanwhile, and that is not stored yet
                 self._save_tried = True
             if why:
                 self._unsaved, self._save_at = True, now + 1.0
@@ -312,7 +312,7 @@ class Emergency(Service):
         self._repeat_until = now + REPEAT_FOR_S
         if not self._engaged:
             self._stopped.clear()
-            self._announced = False, ()  # all may have acknowledged before anybody looks
+            self._announced = False, ()  # all may have acknowledged before the next look
             self._latched_at = now
             self._engaged, self._reason, self._source = True, reason, source[:80]
             self._unsaved, self._save_tried, self._save_at = True, False, 0.0
@@ -323,7 +323,7 @@ class Emergency(Service):
             acknowledgement = _acknowledgements.decode(raw.payload)
         except MalformedError:
             return
-        mover = raw.key.rpartition("/")[2]  # the bus knows whose key it is; what a message says proves nothing
+        mover = raw.key.rpartition("/")[2]  # the bus guarantees whose key it is; the content proves nothing
         self._within_s[mover] = acknowledgement.within_s
         (self._stopped.add if acknowledgement.stopped and acknowledgement.engaged else self._stopped.discard)(mover)
         if acknowledgement.engaged and not self._engaged and not self._releasing:
@@ -333,7 +333,7 @@ class Emergency(Service):
 
 
 def in_words(state: EstopState) -> EstopState:
-    """Return the latch with its text: who has acknowledged it, has still time to, or has not."""
+    """Return the latch with its text: who has acknowledged it, still has time to, or has not."""
     if state.overdue:
         how = f"{', '.join(state.overdue)} has not acknowledged: use the hardware switch"
     elif state.waiting:

@@ -1,4 +1,4 @@
-"""The greeting of the robot's own console once all is up: page and phone, what is missing and its cure."""
+"""The greeting of the robot's own console once all parts run: page and phone, what is missing and its cure."""
 
 from collections.abc import Iterator, Mapping
 
@@ -6,11 +6,11 @@ from lbr.executive.processes.readiness import readiness
 from lbr.messages.system import Status
 
 MOST_PARTS = 3
-"""Parts that are shown with their reason: the first failures mostly cause the others."""
+"""The number of parts that are shown with their reason: the first failures usually cause the others."""
 
 
 def lines(status: Status, page: str, no_page: str) -> list[str]:
-    """Return the lines. `page` is its address, and without one `no_page` is the reason."""
+    """Return the lines. `page` is its address; without one, `no_page` is the reason."""
     known = readiness(status.capabilities)
     entries = [("Page", page or f"none: {no_page}")]
     entries += [("Phone", "type phone, or p: it shows a code to scan")] if page else []

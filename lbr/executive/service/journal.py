@@ -1,4 +1,4 @@
-"""Events: published on `@event`, shown at the console, written down in the database. Never blocks motion."""
+"""Events: published on `@event`, shown at the console, stored in the database. Never blocks motion."""
 
 import contextlib
 import time
@@ -58,9 +58,9 @@ CODES: dict[str, Code | Literal[""]] = {
     "host_lost": "unreachable",
     "link_mended": "unreachable",
 }
-"""Why what the executive itself tells of is so, unless it is told closer; empty: its kind tells no why."""
+"""The codes of the executive's own events, unless one has a more precise code; empty: this kind has no code."""
 WRITTEN_FIRST = frozenset(["rows_changed"])
-"""Told only when it is written: who hears of an edit may begin the next, and is not to meet our own transaction."""
+"""Published only once stored: a receiver may begin the next edit, which must not meet our transaction."""
 
 MOST_ECHOES = 1024
 MOST_RECENT = 50
@@ -74,11 +74,11 @@ def sender(sent: Stamp | None) -> str:
 
 
 class Journal(Service):
-    """Collects the executive's own events and everybody else's, and writes them down in batches.
+    """Collects the executive's own events and everybody else's, and stores them in batches.
 
-    Entries of the audit trail are written at the next step, to the disk. `written` receives the written events, and
+    Entries of the audit trail are written to the disk at the next step. `written` receives the written events, and
     `listeners` are called at each event of the executive's own. `recent` are the newest events, oldest first;
-    `troubles` are what hinders the executive now, besides bad rows.
+    `troubles` are the executive's present problems, besides bad rows.
     """
 
     def __init__(
@@ -118,7 +118,7 @@ class Journal(Service):
         data: dict[str, Any] | None = None,
         about: str = "",
     ) -> None:
-        """Tell everybody, by the code that the kind has or another; from the executive's own thread."""
+        """Publish an event with its own code or that of its kind; from the executive's own thread."""
         now = time.time_ns()
         event = Event(
             kind=kind,
@@ -141,7 +141,7 @@ class Journal(Service):
             listener()
 
     def trouble(self, problem: str, why: str) -> None:
-        """Report a `problem` and why once, and once when it is over: `why` is empty then."""
+        """Report a `problem` with its reason once, and its end once: `why` is empty then."""
         if why:
             text = f"{problem}: {why}"
             if self.troubles.get(problem) != text:
@@ -151,11 +151,11 @@ class Journal(Service):
             self.happened("trouble_over", EXECUTIVE, f"{problem}: no longer so")
 
     def record(self, kind: str, who: str, text: str) -> None:
-        """Put into the audit trail what is no event; this often at most as others' events."""
+        """Add an entry to the audit trail that is not an event; limited to the same rate as others' events."""
         self._audit(Event(kind=kind, subject="console", text=text), who, allowed=self._budget >= 1)
 
     def step(self, now: float) -> float:
-        """Take in what others said and write it down when it is time."""
+        """Receive the events of others, and store them when it is time."""
         self._budget = min(OTHERS_AT_ONCE, self._budget + (now - self._budget_at) * OTHERS_PER_S)
         self._budget_at = now
         for raw in self._others.take():
@@ -174,14 +174,14 @@ class Journal(Service):
         return inf
 
     def close(self) -> None:
-        """Write down what waits, and that the run has ended in order."""
+        """Store the waiting events, and that the run has ended in order."""
         self.step(time.monotonic())
         self.flush()
         with contextlib.suppress(LbrError):
             self._database.record_shutdown(self._robot)
 
     def flush(self) -> bool:
-        """Write down what waits, and say whether that is done; a database that cannot take it now gets it later."""
+        """Store the waiting events; return whether that succeeded. Otherwise the database gets them later."""
         events, trail = list(self._waiting), list(self._trail)
         if self._lost:
             trail.append(self._entry("lost", "audit", EXECUTIVE, f"{self._lost} entries, of too many at once"))

@@ -1,6 +1,6 @@
-"""The emergency stop's latch beside the database: a file that is there while it is engaged.
+"""The emergency stop's latch beside the database: a file that exists while the stop is engaged.
 
-A database that is locked, full, restored or damaged cannot lose the latch: it is engaged at a start if either says so.
+A database that is locked, full, restored or damaged cannot lose the latch: at a start, either of them engages it.
 """
 
 import errno
@@ -34,7 +34,7 @@ class Latch:
         return EstopState(engaged=engaged or filed is not None, reason=row.estop_reason if engaged else filed or "")
 
     def persist(self, engaged: bool, reason: str) -> None:
-        """Write row and file, the file of a release last; raise LbrError for what did not work."""
+        """Write row and file, the file last for a release; raise LbrError for the part that failed."""
         if not engaged:
             self._write_row(engaged=False, reason="")
             remove(self._path)
@@ -50,8 +50,8 @@ class Latch:
 
 
 def read(path: Path) -> str | None:
-    """Return the reason in the file, None if it is released. A file that cannot be read counts as engaged."""
-    if path.exists() and not path.is_file():  # reading could wait for a writer
+    """Return the reason in the file, None if it is released. An unreadable file counts as engaged."""
+    if path.exists() and not path.is_file():  # reading could block until a writer comes
         return UNREADABLE
     try:
         with path.open("rb") as file:
@@ -64,7 +64,7 @@ def read(path: Path) -> str | None:
 
 
 def write(path: Path, reason: str) -> None:
-    """Write the file to the disk. A full disk still accepts the file, if not the reason."""
+    """Write the file to the disk. A full disk still accepts the file, though not the reason."""
     draft = path.with_suffix(".new")
     try:
         fd = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
@@ -79,7 +79,7 @@ def write(path: Path, reason: str) -> None:
 
 
 def remove(path: Path) -> None:
-    """Remove the file. On return that is on the disk."""
+    """Remove the file, also from the disk, before returning."""
     try:
         path.unlink(missing_ok=True)
         _sync_folder(path)

@@ -1,4 +1,4 @@
-"""The words `phone`, `pair`, `open` and `close`: access by the server for people, and from where."""
+"""The words `phone`, `pair`, `open` and `close`: who has access through the server for people, and from where."""
 
 import contextlib
 import ipaddress
@@ -19,13 +19,13 @@ from lbr.messages.system import ConsoleResult, Role
 EVERYWHERE, HERE = "0.0.0.0", "127.0.0.1"  # noqa: S104 - what the word `open` is for
 ADDRESS_S = 1.0
 AGAIN_S = 10.0
-"""A server that listens elsewhere is a new process; on a machine that does much else it takes some seconds to start."""
+"""A server that listens elsewhere is a new process, which takes some seconds to start on a busy machine."""
 LOOK_S = 0.2
 OPERATE: Role = "operate"
 
 
 class LettingIn:
-    """Answers the words. `address(name, timeout_s)` asks a server where it is; None if it does not answer."""
+    """Answers the words. `address(name, timeout_s)` asks a server for its address; None if it does not answer."""
 
     def __init__(
         self,
@@ -60,7 +60,7 @@ class LettingIn:
         return replace(result, text=f"'{name}' is open to your network now; 'close' takes it back.\n{result.text}")
 
     def pair(self, role: str, requester: str) -> ConsoleResult:
-        """Draw a code, and tell it with all that a person needs to type or scan it."""
+        """Draw a code, and return it with everything that a person needs to type or scan it."""
         if role not in get_args(Role):
             raise InputError(f"'{role[:40]}' is not a role that a phone may have: say {', '.join(get_args(Role))}")
         name = self._server().name
@@ -93,12 +93,12 @@ class LettingIn:
             f"The code is good for {GOOD_FOR_S / 60:g} minutes and one device, which gets a token with the role '{role}'.",
             f"{WRONG_TRIES} wrong tries end it, as does another code.",
             *_honest(is_open=is_open, tls=tls, own=tls and credentials.is_own_shown(), fingerprint=print_of),
-            *([drawn] if drawn else ()),  # at last, so that a terminal of 24 lines shows it whole
+            *([drawn] if drawn else ()),  # the last line, so that a terminal of 24 lines shows it whole
         ]
         return ConsoleResult(code=0, text="\n".join(lines), data=data)
 
     def open(self, requester: str) -> ConsoleResult:
-        """Have the server listen to the network, unless it does; tell what that costs, and where it is."""
+        """Make the server listen to the network, unless it does; return the consequences and its address."""
         name = self._server().name
         if self._opened(name, requester):
             text = f"'{name}' is open to your network now"
@@ -113,7 +113,7 @@ class LettingIn:
         return ConsoleResult(code=0, text=f"{text}. {cost}\n{told}", data=_place_data(place))
 
     def close(self, requester: str) -> ConsoleResult:
-        """Have the server listen to this machine alone, unless it does."""
+        """Make the server listen to this machine only, unless it does."""
         row = self._server()
         if _is_local(self._host(row.name)):
             text = f"'{row.name}' is closed already: only this machine reaches it"
@@ -126,7 +126,7 @@ class LettingIn:
         return ConsoleResult(code=0, text=text)
 
     def _server(self) -> CapabilityRow:
-        """Return the row of the server for people: of several, one that runs, or is called as its kind is."""
+        """Return the row of the server for people: of several, one that runs, or is named like its kind."""
         plan = self._robot.plan
         rows = [row for row in plan.rows.capabilities if row.name in plan.kinds and plan.kinds[row.name].rights.pairs]
         server = min(rows, key=lambda row: (row.name not in plan.units, row.name != row.kind, row.name), default=None)
@@ -138,14 +138,14 @@ class LettingIn:
         return server
 
     def _opened(self, name: str, requester: str) -> bool:
-        """Let a server listen to the network; return False if it does already."""
+        """Make a server listen to the network; return False if it does already."""
         if not _is_local(self._host(name)):
             return False
         self._robot.listen_at(name, EVERYWHERE, requester)
         return True
 
     def _host(self, name: str) -> str:
-        """Return where a server is to listen, by its row."""
+        """Return the address at which a server's row makes it listen."""
         plan = self._robot.plan
         return str(plan.kinds[name].parse(bytes(plan.units[name].config.settings)).host)
 
@@ -155,7 +155,7 @@ class LettingIn:
         return place if place is not None and place.get("accepted") else None
 
     def _settled(self, name: str, *, is_open: bool) -> dict[str, Any] | None:
-        """Wait until a server listens as its row says now, and return where; None if it takes long."""
+        """Wait until a server listens as its row now requires, and return where; None if that takes long."""
         end = self._clock() + AGAIN_S
         while self._clock() < end:
             place = self._serving(name)
@@ -182,7 +182,7 @@ def _honest(*, is_open: bool, tls: bool, own: bool, fingerprint: str) -> Iterato
 
 
 def _where(place: dict[str, Any]) -> str:
-    """Return where a server is, by number and by name."""
+    """Return a server's address, by number and by name."""
     url, local = str(place.get("url", "")), str(place.get("local", ""))
     if not url:
         return "the address of this machine, which is in no network now"
@@ -190,14 +190,14 @@ def _where(place: dict[str, Any]) -> str:
 
 
 def _drawn(url: str) -> str:
-    """Return a QR code for a terminal; nothing where what draws it is not installed, as the server may have its own."""
+    """Return a QR code for a terminal; empty if its library is missing here: the server may have its own."""
     with contextlib.suppress(ImportError):
         return qr.characters(url)
     return ""
 
 
 def _svg(url: str) -> str:
-    """Return the same for a page."""
+    """Return the same code for a page."""
     with contextlib.suppress(ImportError):
         return qr.drawing(url).decode()
     return ""

@@ -1,5 +1,4 @@
-"""One short look at a robot that runs: its rows, its status, the newest of what its parts say, and what happened
-lately."""
+"""One short look at a running robot: its rows, its status, the newest messages of its parts, and its recent events."""
 
 import time
 
@@ -13,11 +12,11 @@ from lbr.why import said
 from lbr.why.snapshot import Said, Snapshot
 
 ANSWERS_WITHIN_S = 0.12
-"""A running process answers within some milliseconds; a frozen one is not waited for any longer, and reported."""
+"""A running process answers within some milliseconds; one that takes longer is frozen, and reported."""
 
 
 def look(robot: Robot, bus: Session, *, asker: str = "", role: Role = "admin") -> Snapshot:
-    """Return a robot as it is now; from any thread, in a fifth of a second."""
+    """Return the present state of a robot; from any thread, in a fifth of a second."""
     plan = robot.plan
     messages = latest.ask(bus, streams(plan), source="executive", timeout_s=ANSWERS_WITHIN_S)
     status = robot.status()
@@ -33,7 +32,7 @@ def look(robot: Robot, bus: Session, *, asker: str = "", role: Role = "admin") -
 
 
 def streams(plan: Plan) -> list[str]:
-    """Return the keys of the streams that are understood, and of those by which an operation goes."""
+    """Return the keys of the streams with known types, and of those that operations follow."""
     known = said.understood()
     wanted = {
         keys.port(plan.robot, name, port)

@@ -1,7 +1,4 @@
-"""Requests of people for rows, tokens and logs, by pages.
-
-Only a server for people may send them. Before, it checks the role of the person.
-"""
+"""Requests from pages for rows, tokens and logs. Only a server for people may send them, after checking the role."""
 
 import contextlib
 import os
@@ -58,7 +55,7 @@ _commands: Decoder[Any] = Decoder(ManageCommand)  # type: ignore[arg-type]  # a 
 
 
 class Pages:
-    """Reads requests of pages, and answers them by a connection of its own. `make` plans what would run."""
+    """Reads requests of pages, and answers them over its own connection. `make` plans the rows that would run."""
 
     def __init__(
         self, served: wire.QueryServer, path: Path, *, plan: Callable[[], Plan], make: Make, happened: Happened
@@ -80,7 +77,7 @@ class Pages:
         }
 
     def read(self, request: wire.Request) -> Job:
-        """Return the job that a page asks for."""
+        """Return the job for a page's request."""
         command = _commands.decode(request.payload)
         answer = partial(self._answers[type(command)], command)
         return Job(request, self, answer, partial(self._end, command), slow=isinstance(command, LookAtDevices))
@@ -90,7 +87,7 @@ class Pages:
         return ManageReply(accepted=False, reason=reason, code=code)
 
     def _end(self, command: Any, reply: Reply) -> bool:
-        """Report what was written; return whether rows were."""
+        """Report the changes; return whether rows were written."""
         match command:
             case ChangeRows(write=True):
                 kind, text = "edit", f"{command.by or 'a page'} changed {_listed(command)}"
@@ -132,7 +129,7 @@ class Pages:
         return ManageReply(accepted=True, revision=revision, data=data)
 
     def _settings(self, row: type[Row], plan: Plan) -> dict[str, Any]:
-        """Return the schemas of what the column `settings` holds, by the row's name."""
+        """Return the schemas of the column `settings`, by the row's name."""
         if row is CapabilityRow:
             return {name: msgspec.json.schema(kind.settings) for name, kind in plan.kinds.items()}
         if row is DeviceRow:
@@ -177,7 +174,7 @@ class Pages:
         return self._change(ChangeRows(changes=forms_back, write=True, by=command.by))
 
     def _changed(self, database: Database, err: forms.ChangedError) -> ManageReply:
-        """Return the refusal of a change of a row that has changed meanwhile: with the author and the time."""
+        """Return the refusal to change a row that has changed meanwhile, with its author and the time."""
         at, by = database.last_change(self._plan().robot, err.table, err.key) or ("", "")
         refusal = self.refused(f"{err} (by {by})" if by else str(err), err.code)
         return replace(refusal, revision=database.revision(), changed_by=by, changed_at=at)
@@ -223,13 +220,13 @@ class Pages:
 
 
 def _letting_in(before: RobotRows, after: RobotRows) -> Iterator[Problem]:
-    """Yield what would decide otherwise who comes in: a page's server that was taken over would let others in."""
+    """Yield changes that would affect who has access: a taken-over page's server could admit others."""
     old = {row.name: row for row in before.capabilities}
     for row in after.capabilities:
         was = old.get(row.name)
         if row == was:
             continue
-        with contextlib.suppress(KindError):  # told as such
+        with contextlib.suppress(KindError):  # reported as such
             kind = registry.find(row.kind, home.home())
             now, then = _deciding(kind, row), _deciding(kind, was if was and was.kind == row.kind else None)
             for name in kind.rights.lets_in if now is not None else ():
@@ -239,17 +236,17 @@ def _letting_in(before: RobotRows, after: RobotRows) -> Iterator[Problem]:
 
 
 def _deciding(kind: Kind, row: CapabilityRow | None) -> dict[str, Any] | None:
-    """Return what of a row decides who comes in; without a row what a new one has, and None if that says nothing."""
+    """Return the parts of a row that decide who has access; without a row, a new one's. None if it is unreadable."""
     try:
         settings = kind.parse(row.settings if row is not None else "{}")
-    except UNREADABLE:  # told as such
+    except UNREADABLE:  # reported as such
         return None
     columns = {"enabled": row is not None and row.enabled}
     return {name: columns[name] if name in columns else getattr(settings, name) for name in kind.rights.lets_in}
 
 
 def _own(tables: Any, table: str, robot: str) -> list[Any]:
-    """Return a table's rows that are this robot's, or every robot's."""
+    """Return the rows of a table that belong to this robot, or to every robot."""
     name = "name" if table == "robot" else "robot"
     return [row for row in tables.get(table, ()) if row.get(name, robot) == robot]
 

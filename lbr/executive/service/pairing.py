@@ -1,5 +1,7 @@
-"""The life of a code that lets a phone in: drawn for a person at the console, good for two minutes, for one token and
-five wrong tries in all. Pure: clock and chance come from outside."""
+"""The life of a code that gives a phone access: drawn for a person at the console, valid for two minutes.
+
+It gives one token, and ends after five wrong tries in all. Pure: clock and random numbers are injected.
+"""
 
 import hmac
 import secrets
@@ -13,15 +15,15 @@ from lbr.messages.pairing import DIGITS
 from lbr.messages.system import Role
 
 GOOD_FOR_S = 120.0
-"""Time to pick a phone up, scan, and wait for its browser's warning."""
+"""Time to pick up a phone, scan the code, and read its browser's warning."""
 WRONG_TRIES = 5
-"""A person mistypes twice; by guessing, five tries in all are one code in 200,000."""
+"""A person mistypes twice; with five tries in all, the chance to guess a code is one in 200,000."""
 MOST_ADDRESSES = 256
-"""Remembered with how often they were wrong; the one that was wrong longest ago makes room."""
+"""The number of addresses whose wrong tries are counted; the one with the oldest wrong try makes room."""
 
 
 class Code(Struct, frozen=True, kw_only=True):
-    """The digits that a person was told, what they give, who asked for them, and when they end."""
+    """The digits that a person was given, the role that they give, who requested them, and when they expire."""
 
     digits: str
     role: Role
@@ -30,8 +32,11 @@ class Code(Struct, frozen=True, kw_only=True):
 
 
 class Try(Struct, frozen=True, kw_only=True):
-    """The result of a try: `code` if it was right. `tries_left` are the wrong tries that the code still bears, None without a
-    code; `from_there` is how often that address was wrong since the robot started."""
+    """The result of a try: `code` if it was right.
+
+    `tries_left` are the wrong tries that the code still permits, None without a code. `from_there` counts the wrong
+    tries of that address since the robot started.
+    """
 
     code: Code | None = None
     tries_left: int | None = None
@@ -39,18 +44,20 @@ class Try(Struct, frozen=True, kw_only=True):
 
 
 def boot_s() -> float:
-    """Return a time that goes on while the machine sleeps, and that no setting of the clock changes."""
+    """Return a time that goes on while the machine sleeps, and that setting the clock does not change."""
     return time.clock_gettime(time.CLOCK_BOOTTIME)
 
 
 def drawn() -> str:
-    """Return six digits by chance, each as likely as any other."""
+    """Return six random digits, each equally likely."""
     return f"{secrets.randbelow(10**DIGITS):0{DIGITS}d}"
 
 
 class Pairing:
-    """Holds one code at most, in memory alone: it is over with its time, its use, its wrong tries, the next code, and
-    the end of the robot's process."""
+    """Holds at most one code, only in memory.
+
+    The code ends with its time, its use, its last wrong try, the next code, or the robot's process.
+    """
 
     def __init__(self, clock: Callable[[], float] = boot_s, draw: Callable[[], str] = drawn) -> None:
         self._clock = clock
@@ -60,18 +67,18 @@ class Pairing:
         self._wrong_from: OrderedDict[str, int] = OrderedDict()
 
     def begin(self, role: Role, by: str) -> Code:
-        """Return a new code; the one before is over."""
+        """Return a new code; the previous one ends."""
         self._wrong = 0
         self._code = Code(digits=self._draw(), role=role, by=by, ends_s=self._clock() + GOOD_FOR_S)
         return self._code
 
     def cancel(self) -> bool:
-        """End the code; say whether there was one."""
+        """End the code; return whether there was one."""
         code, self._code = self._living(), None
         return code is not None
 
     def attempt(self, digits: str, address: str) -> Try:
-        """Compare digits, in the same time whatever they are, and count; right ones use the code up."""
+        """Compare digits, in constant time, and count the try; the right ones use the code up."""
         code = self._living()
         right = hmac.compare_digest(digits.encode(), (code.digits if code else "-" * DIGITS).encode())
         if code is not None and right:

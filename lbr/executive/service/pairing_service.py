@@ -1,5 +1,4 @@
-"""Answers who shows a code: with a token at once, or late and always in the same words. Never tells a code to any other
-process."""
+"""Answers devices that show a code: with a token at once, or late, and always in the same words. Keeps codes secret."""
 
 import math
 from collections import deque
@@ -22,18 +21,18 @@ from lbr.messages.pairing import PairCommand, PairReply
 from lbr.messages.plain import one_line
 
 DELAY_S = 1.0
-"""The wait of a wrong try for its answer: a person does not notice, and many tries learn nothing faster."""
+"""The delay of an answer to a wrong try: a person does not notice, and many tries in parallel gain nothing."""
 MOST_WAITING = 32
-"""Wrong tries that wait for their answers; with so many, no more are looked at."""
+"""The number of wrong tries that wait for their answers; beyond it, no more are checked."""
 TOLD_EVERY_S = 60.0
-"""Tries while there is no code are told together: they cannot be right, and anybody may make them."""
+"""Tries without a code are reported together: they cannot be right, and anybody may make them."""
 NOT_GOOD = "this code is not good: wrong, used, or over; 'phone' at the robot's console shows a new one"
 NOT_SERVED = "this process lets no phones in"
 _commands = Decoder(PairCommand)
 
 
 class Grants:
-    """Makes the tokens: rows as `lbr token add` writes them, good for the web, which the server goes on with.
+    """Makes the tokens: rows as `lbr token add` writes them, valid for the web.
 
     `runs_since(name)` is when the process of a capability was started.
     """
@@ -47,12 +46,12 @@ class Grants:
         self._happened = happened
 
     def pairs(self, name: str) -> bool:
-        """Return whether a capability may show codes; the bus lets in no other, but a name in a stamp is a claim."""
+        """Return whether a capability may show codes; the bus admits no other, but a stamp's name is only a claim."""
         plan = self._rows.plan
         return name in plan.units and plan.kinds[name].rights.pairs
 
     def grant(self, name: str, code: codes.Code, asked: PairCommand, *, since_s: float) -> PairReply:
-        """Make the token of a code that was right, for a device that came by a capability, which asked at `since_s`."""
+        """Make the token for a right code, for a device that came by a capability, which asked at `since_s`."""
         names = [one.name for one in self._database.tokens()]
         address = one_line(asked.address)
         made = credentials.new_token(
@@ -66,14 +65,14 @@ class Grants:
         if self._runs_since(name) < since_s:
             self._rows.knows(name, [LanUser(name=token.name, role=code.role, secret=token.secret, hash=made.hash)])
         else:
-            self._rows.look_again()  # what runs now did not ask, and is restarted with the token
+            self._rows.look_again()  # the running process did not ask, and is restarted with the token
         text = f"token '{token.name}' ({code.role}) was made for {address}, by the code that {code.by} asked for"
         self._happened("paired", name, text)
         return PairReply(accepted=True, token=str(token), name=token.name, role=code.role, hash=made.hash)
 
 
 class PairingService(Service):
-    """Takes codes by `served` and gives tokens by `grants`; `step` is the main thread's."""
+    """Receives codes by `served`, and gives tokens by `grants`; the main thread calls `step`."""
 
     def __init__(self, served: wire.QueryServer, pairing: Pairing, grants: Grants, *, happened: Happened) -> None:
         self._served = served
@@ -93,7 +92,7 @@ class PairingService(Service):
         return self._late[0][0] if self._late else math.inf
 
     def close(self) -> None:
-        """Take no more, and answer who waits."""
+        """Accept no more codes, and answer the waiting requests."""
         self._served.close()
         self._pairing.cancel()
         while self._late:

@@ -1,4 +1,4 @@
-"""The reports of the robot at the console: data, and the same in words."""
+"""The reports of the robot at the console: as data, and as text."""
 
 import json
 import time
@@ -29,7 +29,7 @@ SECRET = frozenset({"user_token"})
 
 
 class Reports:
-    """Makes reports; from any thread."""
+    """Makes reports; may be used from any thread."""
 
     def __init__(self, robot: Robot, bus: Session) -> None:
         self._robot = robot
@@ -66,11 +66,11 @@ class Reports:
         return data, texts[name]() if name in texts else flat(data)
 
     def telemetry(self) -> dict[str, Any]:
-        """Return what every stream but pictures last said, and how long ago."""
+        """Return the latest message of every stream except pictures, with its age."""
         return self._latest(key for _, _, key, message in self._robot.plan.outputs() if message is not JpegFrame)
 
     def _latest(self, keys: Iterable[str]) -> dict[str, Any]:
-        """Return the latest of streams by capability and output; all are asked at once."""
+        """Return the latest messages by capability and output; all streams are asked at once."""
         found = latest.ask(self._bus, keys, source="executive", timeout_s=ANSWERS_WITHIN_S)
         return {
             topic: said.message | ({"age_s": round(said.age_s, 3)} if said.age_s is not None else {})
@@ -78,7 +78,7 @@ class Reports:
         }
 
     def _telemetry_text(self, data: dict[str, Any]) -> str:
-        """Return the robot's own package part by part, and then every stream."""
+        """Return the robot's own telemetry package part by part, and then every stream."""
         plan = self._robot.plan
         packages = {key.removeprefix(f"{plan.robot}/") for *_, key, message in plan.outputs() if message is Telemetry}
         parts = {name: part for key in packages for name, part in data.get(key, {}).items() if isinstance(part, dict)}
@@ -89,7 +89,7 @@ class Reports:
         return dict(msgspec.to_builtins(graph))
 
     def _description(self) -> dict[str, Any]:
-        """Return what the robot is: its capabilities with their schemas, its words, and rows that people look at."""
+        """Return the robot's description: capabilities with their schemas, words, and the rows for people."""
         plan = self._robot.plan
         words = self._robot.vocabulary.entries(choices(plan, home.home()))
         return dict(msgspec.to_builtins(describe(plan, words)))
@@ -109,7 +109,7 @@ class Reports:
         return statistics | {name: loop for name, loop in loops.items() if loop}
 
     def health(self) -> str:
-        """Return how every capability is, in lines."""
+        """Return the health of every capability, a line each."""
         status = self._robot.status()
         lines = [
             f"{unit.name}: {unit.phase}" + (f" ({unit.reason})" if unit.reason else "") for unit in status.capabilities
@@ -141,12 +141,12 @@ def rows(plan: Plan, profile: str) -> dict[str, Any]:
 
 
 def flat(data: dict[str, Any]) -> str:
-    """Return a line for each part, for people: values with their units."""
+    """Return one line for each part, for people: values with their units."""
     return "\n".join(f"{name}: {readable.fields(part)}" for name, part in data.items()) or "nothing yet"
 
 
 def _as_written(settings: dict[str, Any]) -> str:
-    """Return settings by the names and values that a row has."""
+    """Return settings with the names and values of a row."""
     return ", ".join(
         f"{name} {value if isinstance(value, str) else json.dumps(value)}" for name, value in settings.items()
     )

@@ -37,12 +37,12 @@ class Robot:
 
     @property
     def plan(self) -> Plan:
-        """Return the plan that runs."""
+        """Return the running plan."""
         return self.rows.plan
 
     @property
     def vocabulary(self) -> Vocabulary:
-        """Return the words that can be said."""
+        """Return the words of the robot."""
         return self.rows.vocabulary
 
     def status(self) -> Status:
@@ -82,13 +82,13 @@ class Robot:
         return code
 
     def listen_at(self, name: str, host: str, requester: str) -> None:
-        """Edit the setting `host` of a server's row; RowError or InputError if that is refused."""
+        """Set `host` in a server's row; raise RowError or InputError if that is refused."""
         with Database.open(self.database.path, program="executive") as database:
             edits.write_setting(database, self.plan.robot, name, "host", host, self.rows.judge, by=requester).good()
         self.note("edit", f"{requester} had '{name}' listen at {host}", requester)
 
     def run_external(self, call: ExternalCall, requester: str, origin: Origin, said_s: float) -> ConsoleResult:
-        """Start an external command, after a record of its requester, and wait for a blocking one."""
+        """Start an external command, after recording its requester, and wait for a blocking one."""
         row = call.command
         argv = json.dumps([*row.argv, *call.arguments], ensure_ascii=False)
         self.note("external", f"'{row.name}' is started by {requester}: {argv}", origin.source)
@@ -110,7 +110,7 @@ class Robot:
         return ended
 
     def note(self, kind: str, text: str, about: str = "") -> None:
-        """Write down an event of the executive's own, and return when that is done."""
+        """Record an event of the executive's own, and return once it is recorded."""
 
         def note() -> None:
             self.journal.happened(kind, EXECUTIVE, text, about=about)
@@ -119,5 +119,5 @@ class Robot:
         self.main.call(note)
 
     def record(self, kind: str, requester: str, text: str) -> None:
-        """Put an entry into the audit trail, soon: no line, and no stop, waits for it."""
+        """Add an entry to the audit trail, soon: no line, and no stop, waits for it."""
         self.main.post(lambda: self.journal.record(kind, requester, text))

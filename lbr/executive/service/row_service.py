@@ -1,4 +1,4 @@
-"""Answers requests to change or read rows, beside the main loop and by connections of its own.
+"""Answers requests to change or read rows, beside the main loop and over connections of its own.
 
 capabilities ──► executive.edit ──┐
                                   ├──► one queue ──► a thread ──► the answer, and what it means for what runs
@@ -30,7 +30,7 @@ Reply = EditReply | ManageReply
 class Job(Struct):
     """A request under way: `work` answers it on a thread, `end` returns on the main one whether rows were written.
 
-    `slow` jobs run beside the others. While a job `holds` the rows, no other edits come into force.
+    `slow` jobs run beside the others. While a job `holds` the rows, other edits wait.
     """
 
     request: wire.Request
@@ -88,7 +88,7 @@ class RowService(Service):
         return inf
 
     def close(self) -> None:
-        """Accept no more. An edit under way is written, or not, by itself."""
+        """Accept no more requests. An edit under way is written, or not, by itself."""
         for asked in self._asked:
             asked.served.close()
 

@@ -1,4 +1,4 @@
-"""The status of the robot, and the report of its start: that all is up, or what is not."""
+"""The status of the robot, and the report of its start: that all parts run, or which do not."""
 
 import json
 import os
@@ -26,13 +26,11 @@ from lbr.messages.system import Status
 
 STATUS_S = 1.0
 REACHES_S = 0.01
-"""Between two looks for whether the ready robot is reached by its clients: some 0.1 s at a start."""
+"""The interval of looks for whether clients can reach the ready robot, which takes some 0.1 s at a start."""
 
 
 class StatusService(Service):
-    """Publishes the status each second and at each event, and reports the start.
-
-    With `announce` it also writes a line about it to standard output. `since` is when the robot began."""
+    """Publishes the status each second and at each event; reports the start, also on standard output if `announce`."""
 
     def __init__(
         self,
@@ -65,7 +63,7 @@ class StatusService(Service):
         self._due = 0.0
 
     def step(self, now: float) -> float:
-        """Publish when due, and judge the start once all has come up or given up."""
+        """Publish when due, and judge the start once each part runs or has given up."""
         if now >= self._due:
             self._due = now + STATUS_S
             trim_all(home.home() / "logs")
@@ -83,7 +81,7 @@ class StatusService(Service):
         self._notifier.close()
 
     def status(self) -> Status:
-        """Return the status of now."""
+        """Return the present status."""
         capabilities = self._processes.capabilities()
         return self._as_of_now(
             Status(
@@ -100,7 +98,7 @@ class StatusService(Service):
         )
 
     def _as_of_now(self, status: Status) -> Status:
-        """Return a status with the emergency stop and the problems of now; no event is newer than those."""
+        """Return a status with the present emergency stop and problems; no event is newer than those."""
         rows, troubles = self._rows.problems, tuple(self._journal.troubles.values())
         return replace(
             status,
@@ -110,7 +108,7 @@ class StatusService(Service):
         )
 
     def _judge_start(self) -> None:
-        """Report that all is up, or what is not: once for each set of failures, until all is."""
+        """Report that all parts run, or which do not: once for each set of failures, until all run."""
         outcome = readiness(self._processes.capabilities())
         if not outcome.ready and outcome.failed.keys() == self._failed:
             return

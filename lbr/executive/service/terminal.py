@@ -24,12 +24,12 @@ def start(
 ) -> None:
     """Open the console; `ended(why, code)` is called when it is left or its input ends.
 
-    `verbose` shows what each part reports while it starts.
+    `verbose` shows each part's reports while it starts.
     """
     from lbr.console.greeting import Greeting  # noqa: PLC0415 - for those who have a console
     from lbr.console.local import run_local  # noqa: PLC0415 - prompt-toolkit is for those who have a console
 
-    at_terminal = sys.stdin.isatty() and sys.stdout.isatty()  # what a pipe says, another program may have written
+    at_terminal = sys.stdin.isatty() and sys.stdout.isatty()  # another program may have written the input of a pipe
 
     def submit(line: str, waited_s: float) -> ConsoleResult:
         return dispatcher.execute(line, source="console", role="admin", local=at_terminal, waited_s=waited_s)
@@ -49,8 +49,7 @@ def start(
 
 
 def leave() -> threading.Thread | None:
-    """Begin to close the console, if there is one; return the thread that waits until it has ended, if there can be
-    one."""
+    """Begin to close the console, if there is one; return the thread that waits for its end, None without one."""
     local = sys.modules.get("lbr.console.local")
     if local is None:
         return None
