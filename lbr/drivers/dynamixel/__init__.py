@@ -14,7 +14,7 @@ The bus is of use without a robot, too:
         bus.write_all(table.GOAL_POSITION.address, {servo: (512).to_bytes(2, "little") for servo in servos})
 
 `packet` is the codec alone, `table` the control table, `lbr.drivers.servos.bus_thread` a thread that lets many share a
-bus. See docs/servo_bus.md.
+bus. See docs/servo_lines.md.
 """
 
 from typing import Annotated, Literal

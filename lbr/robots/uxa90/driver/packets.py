@@ -1,6 +1,6 @@
 """Packets of SAM servos, as a main board in PC control passes them on: built and checked, never sent. No I/O.
 
-Source: facts of the line by reading (wCK protocol, users' drivers and tools for this robot); see docs/uxa90_line.md.
+Source: facts of the line by reading (wCK protocol, users' drivers and tools for this robot); see docs/servo_lines.md.
 A packet carries its servo's id; an answer is two bytes that carry neither id nor checksum.
 """
 
