@@ -39,8 +39,8 @@ STALLED, TALKS = 1013, 1008
 MESSAGES_HZ, MESSAGES_AT_ONCE = 150.0, 300.0
 MOST_CALLS, MOST_NEWS = 8, 256
 RESTED_S = 1.0
-"""Motion that is published this long after the last begins anew. An earlier one continues the last: a network that
-holds messages up for a moment is nobody's rest. Chosen: longer than a wireless network is usually silent."""
+"""Motion that is published after a longer silence begins anew. An earlier one continues the last: a network that holds
+messages up for a moment is nobody's rest. Chosen: longer than a wireless network is usually silent."""
 LOST_MS = 1500
 """Data that is not acknowledged for so long ends the connection: the other machine is gone, or its cable."""
 ALIVE_S = 0.25
@@ -96,7 +96,7 @@ class Viewer:
         self._woken = asyncio.Event()
         self._hand = Hand(source_of(client), served.api.may(client), self._report_hold, whose="Foxglove", resumes=True)
         self._has_hand = False
-        self._push, self._pushed_s, self._pushed_to = 0, 0.0, ""
+        self._push, self._silent_s, self._pushed_to = 0, 0.0, ""
         self._rate = Bucket(MESSAGES_HZ, self._loop.time(), MESSAGES_AT_ONCE)
 
     async def serve(self, web: WebSocket, receive: Receive, name: str) -> None:
@@ -135,6 +135,7 @@ class Viewer:
             now = self._loop.time()
             if now - alive >= ALIVE_S:
                 alive = now
+                self._silent_s += ALIVE_S  # whatever held this loop up, it held the client's messages up as well
                 self._news.append(protocol.alive())
             try:
                 async with asyncio.timeout(STALLED_S):
@@ -312,11 +313,10 @@ class Viewer:
         self._served.api.wake()
 
     def _hold(self, to: str, message: dict[str, object]) -> None:
-        now = self._served.api.now()
-        if self._hand.wish.wanted is None or now - self._pushed_s > RESTED_S or to != self._pushed_to:
+        if self._hand.wish.wanted is None or self._silent_s > RESTED_S or to != self._pushed_to:
             self._push += 1
-        self._pushed_s, self._pushed_to = now, to
-        self._hand.hold(Wanted(to=to, message=message, n=self._push), now)
+        self._silent_s, self._pushed_to = 0.0, to
+        self._hand.hold(Wanted(to=to, message=message, n=self._push), self._served.api.now())
         if not self._has_hand:
             self._has_hand = True
             self._served.api.holds.add(self._hand)

@@ -53,15 +53,17 @@ def _means(command: DriveCommand) -> bool:
 
 
 def _bounds(command: type[Motion]) -> tuple[tuple[str, float, float], ...]:
-    """Return name, least and most of each number that a command asks for, as its message has them."""
+    """Return name, least and most of each number that a command asks for, as its message has them; each needs both."""
     message = inspect.type_info(command)
     assert isinstance(message, inspect.StructType)
-    numbers = ((field.name, field.type.type) for field in message.fields if isinstance(field.type, inspect.Metadata))
-    return tuple(
-        (name, number.ge, number.le)
-        for name, number in numbers
-        if isinstance(number, inspect.FloatType) and number.ge is not None and number.le is not None
-    )
+    bounds = []
+    for field in message.fields:
+        number = field.type.type if isinstance(field.type, inspect.Metadata) else field.type
+        if isinstance(number, inspect.FloatType):
+            assert number.ge is not None, f"{field.name} has no least"
+            assert number.le is not None, f"{field.name} has no most"
+            bounds.append((field.name, number.ge, number.le))
+    return tuple(bounds)
 
 
 BOUNDS = {command: _bounds(command) for command in (DriveCommand, TurnCommand, HeadingCommand, TwistCommand)}

@@ -1,9 +1,10 @@
 """The parts of the Foxglove bridge that know no robot: protocol, services, the body in space, schemas."""
 
+import asyncio
 import json
 import math
 import struct
-from contextlib import suppress
+from contextlib import closing, suppress
 from types import SimpleNamespace
 
 import msgspec
@@ -11,14 +12,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mcap.reader import make_reader
+from starlette.websockets import WebSocket
 
 from lbr.apps.bodies.model import model
 from lbr.apps.foxglove import channels, protocol, scene, schemas, services
 from lbr.apps.foxglove.capability import numbered
 from lbr.apps.foxglove.kind import FoxgloveSettings
-from lbr.apps.foxglove.socket import motion
+from lbr.apps.foxglove.socket import Viewer, motion
 from lbr.apps.recorder.box import inbox
 from lbr.apps.recorder.recording import chunks, export
+from lbr.apps.web.face import Client
 from lbr.errors import InputError, MalformedError
 from lbr.messages.description import CapabilityDescription, RobotDescription
 from lbr.messages.odometry import OdometryState
@@ -152,6 +155,81 @@ def test_only_what_is_held_can_be_published():
         motion(protocol.Published(id=1, topic="/other", encoding="json"), b"{}", Known)
     held = protocol.Published(id=1, topic="/drive/twist", encoding="json")
     assert motion(held, b'{"vx_mps": 1, "lease": "x"}', Known) == ("drive/twist", {"vx_mps": 1})
+
+
+class VirtualTime(asyncio.SelectorEventLoop):
+    """An event loop whose time passes as a test wants it."""
+
+    now = 100.0
+
+    def time(self):
+        return self.now
+
+    def pass_time(self, seconds, step_s=0.05):
+        for _ in range(round(seconds / step_s)):
+            self.now += step_s
+            self.run_until_complete(self.turn())
+
+    async def turn(self):
+        for _ in range(20):
+            await asyncio.sleep(0)
+
+
+def nothing(*_args):
+    return ()
+
+
+@pytest.fixture
+def connected():
+    """Give the time of a bridge, the queue that its client writes to, and the hands that the client has."""
+    with closing(VirtualTime()) as loop:
+        waiting, sent, hands = asyncio.Queue(), [], []
+        api = SimpleNamespace(
+            known=Known.known, now=loop.time, wake=nothing, may=nothing, holds=SimpleNamespace(add=hands.append)
+        )
+        feeds = SimpleNamespace(leave=nothing, tidy=nothing, events=nothing, want=nothing, last_event=0)
+        served = SimpleNamespace(
+            api=api, feeds=feeds, session="1", sources={}, services={}, pictures=SimpleNamespace(want=nothing)
+        )
+
+        async def send(message):
+            sent.append(message)
+
+        async def serve():
+            web = WebSocket({"type": "websocket"}, waiting.get, send)
+            await web.accept()
+            viewer = Viewer(served, Client("127.0.0.1", role="operate"), 20.0, pictures=False)
+            await viewer.serve(web, waiting.get, "lbr")
+
+        serving = loop.create_task(serve())
+        waiting.put_nowait({"type": "websocket.connect"})
+        advertised = {
+            "op": "advertise",
+            "channels": [{"id": 1, "topic": "/cmd_vel", "encoding": "json", "schemaName": "Twist"}],
+        }
+        waiting.put_nowait({"type": "websocket.receive", "text": json.dumps(advertised)})
+        yield loop, waiting, hands
+        waiting.put_nowait({"type": "websocket.disconnect"})
+        loop.run_until_complete(serving)
+
+
+def test_a_new_push_begins_after_a_silence_and_not_after_a_loop_that_was_held_up(connected):
+    loop, waiting, hands = connected
+
+    def push():
+        data = struct.pack("<BI", 1, 1) + b'{"linear": {"x": 0.2}}'
+        waiting.put_nowait({"type": "websocket.receive", "bytes": data})
+        loop.run_until_complete(loop.turn())
+        return hands[0].wish.wanted.n
+
+    loop.pass_time(0.1)
+    first = push()
+    loop.pass_time(0.9)
+    assert push() == first
+    loop.now += 5.0
+    assert push() == first
+    loop.pass_time(1.4)
+    assert push() == first + 1
 
 
 def described(**outputs):

@@ -26,6 +26,7 @@ from tests.support.waiting import HANG_S, STOPS_S, until
 pytestmark = [pytest.mark.slow_start]
 
 PROTOCOL = "foxglove.websocket.v1"
+RESTS_S = 1.4
 PAGE = "https://app.foxglove.dev"
 TWIST = {"op": "advertise", "channels": [{"id": 1, "topic": "/cmd_vel", "encoding": "json", "schemaName": "Twist"}]}
 DRIVER = """
@@ -266,7 +267,7 @@ def test_a_stop_ends_what_is_published_and_a_network_that_stumbles_is_no_rest_af
         assert not moved or publishing.longest_s > 0.9
         client.until(lambda: any("[" in one for one in client.statuses), "why it stands")
     rests = time.monotonic()
-    until(lambda: time.monotonic() - rests > 1.1, what="a rest")
+    until(lambda: time.monotonic() - rests > RESTS_S, what="a rest")
     with closing(Publishing(client)):
         until(lambda: moves(robot), what="driving after a rest")
 
@@ -281,7 +282,7 @@ def test_a_stop_counts_although_its_client_leaves_with_its_last_byte(client, rob
 
     for _ in range(5):
         rests = time.monotonic()
-        until(lambda rests=rests: time.monotonic() - rests > 1.1, what="a rest after the last stop")
+        until(lambda rests=rests: time.monotonic() - rests > RESTS_S, what="a rest after the last stop")
         other = Foxglove(url)
         other.until(lambda other=other: "/stop" in other.services, "its services")
         until(lambda: pushed(lambda: moves(robot)), what="driving")

@@ -228,6 +228,17 @@ def test_a_stop_at_the_console_has_it_rest_too_and_silence_is_rest(bench):
     assert bench.ctx.live
 
 
+def test_a_process_that_was_held_up_takes_its_own_silence_for_no_rest(bench):
+    bench.ask(AHEAD)
+    bench.ask({"level": 0, "angle": 0}, OTHER)
+    bench.ctx.now += 5.0
+    bench.run()
+    with pytest.raises(Refused) as refused:
+        bench.ask(AHEAD)
+    assert refused.value.code == "rest_first"
+    assert not bench.ctx.live
+
+
 def test_a_change_that_comes_just_after_anothers_stop_is_no_new_beginning(bench):
     bench.ask(AHEAD)
     bench.ctx.live, bench.ctx.cause = "", "stopped"

@@ -23,6 +23,8 @@ TTL_S = 0.5
 STOP_S = 1.0
 REST_S = 1.0
 """A client that another has stopped must be silent for so long, or stop, before it moves the base again."""
+STEP_S = 0.2
+"""A longer step of the loop counts as one of these: a process that was held up read nobody, and that is no silence."""
 STOPPED = frozenset({"stopped", "estop", "taken_over"})
 MOST_TRIES = 3
 TARGETS = {
@@ -77,7 +79,9 @@ class Driver:
         self._asking = False
         self._given_up = (0, "")  # how often, and why
         self._stopped_s = -inf
-        self._rests: tuple[Client, float] | None = None
+        self._rests: Client | None = None
+        self._silent_s = 0.0  # for how long the client that must rest was not read
+        self._stepped_s = -inf
         self.begun = -inf
         """When a motion was accepted last."""
 
@@ -118,7 +122,7 @@ class Driver:
 
     async def stop(self, client: Client, why: str, came_s: float = inf) -> None:
         """Stop whatever moves, whoever moves it; return once that was acknowledged, else raise Refused."""
-        if self._rests is not None and self._rests[0].is_heard_by(client):
+        if self._rests is not None and self._rests.is_heard_by(client):
             self._rests = None
         self.give_up(why, client, came_s)
         asked = self._robot.ctx.ask("halt", StopCommand(reason=why[:200], whole=True), STOP_S)
@@ -146,10 +150,12 @@ class Driver:
             return
         hold.lease.release(why)
         if by is None or not hold.client.is_heard_by(by):
-            self._rests = hold.client, self._robot.now() + REST_S
+            self._rests, self._silent_s = hold.client, 0.0
 
     def step(self, now: float) -> None:
         """Read the answers, renew, and stop what nobody wants any more."""
+        self._silent_s += min(now - self._stepped_s, STEP_S)
+        self._stepped_s = now
         hold = self._hold
         if hold is None:
             return
@@ -162,7 +168,7 @@ class Driver:
         elif ended is not None and not self._asking:
             self._hold = None
             if ended.code in STOPPED:
-                self._rests = hold.client, now + REST_S
+                self._rests, self._silent_s = hold.client, 0.0
         else:
             hold.lease.keep(_timed(hold.motion))
 
@@ -218,7 +224,7 @@ class Driver:
         if reply.code == "dead_lease" and reply.cause not in STOPPED:
             return Reason("dead_lease", reply.why.text)
         if reply.code == "dead_lease":
-            self._rests = client, self._robot.now() + REST_S
+            self._rests, self._silent_s = client, 0.0
         lease.step()  # it halts what is not wanted any more
         self._hold = None
         return reply.why
@@ -232,13 +238,12 @@ class Driver:
 
     def _refuse_unrested(self, client: Client) -> None:
         """Refuse to begin again for a client that goes on asking although another has stopped what it moved."""
-        if self._rests is None or not self._rests[0].is_heard_by(client):
+        if self._rests is None or not self._rests.is_heard_by(client):
             return
-        now = self._robot.now()
-        if now >= self._rests[1]:
+        if self._silent_s >= REST_S:
             self._rests = None
             return
-        self._rests = self._rests[0], now + REST_S
+        self._silent_s = 0.0
         text = f"stopped by another meanwhile: send level 0, or nothing for {REST_S:g} s"
         raise Refused(409, text, code="rest_first")
 

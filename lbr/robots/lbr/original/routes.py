@@ -103,7 +103,8 @@ class LbrOriginalFace(web.Face):
         refused, the answer has `refused` besides the telemetry.
         """
         client = Client.of(request)
-        if not _may_stop(request):
+        is_here = names.is_loopback(request.client.address)
+        if not is_here and request.client.role is None:  # everybody at this machine may stop, and each role elsewhere
             _require(request, "operate")
         try:
             asked = wishes.asked(body)
@@ -246,11 +247,6 @@ class LbrOriginalFace(web.Face):
         refused = {"message": err.message, "code": err.code}
         headers = {name.replace("-", "_"): value for name, value in err.headers.items()}
         return web.json({**self._package(), "refused": refused}, err.status, Reason_Code=err.code, **headers)
-
-
-def _may_stop(request: Request) -> bool:
-    """Return whether a request may stop: everybody at this machine may, and every role from elsewhere."""
-    return names.is_loopback(request.client.address) or request.client.role is not None
 
 
 def _require(request: Request, role: Role) -> None:
