@@ -1,4 +1,4 @@
-"""Drivers: each owns one device, speaks its protocol and decides last what it does."""
+"""Drivers: each owns one device, speaks its protocol and has the last decision about its motion."""
 
 from lbr.component import Component
 

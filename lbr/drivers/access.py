@@ -1,4 +1,4 @@
-"""The cure for a device that may not be opened: join its group, or wait until udev has set it."""
+"""The advice for a device that this user may not open: join its group, or wait until udev has set it."""
 
 import errno
 import time
@@ -11,7 +11,7 @@ SETTLED_S = 5.0
 
 
 def refused(path: str, group: str = "") -> str:
-    """Return the end of a sentence about a device that this user may not open; it may be that udev is still at it."""
+    """Return the end of a sentence about a device that this user may not open; udev may still be setting its rights."""
     join = f"join the group {group or 'of that file'} and log in again"
     if is_settling(path):
         return f"may not be opened by this user yet: it was plugged in just now, and udev may still be setting its group; if this stays, {join}"
@@ -19,8 +19,7 @@ def refused(path: str, group: str = "") -> str:
 
 
 def code_of(err: BaseException) -> Code:
-    """Return the code of a device that cannot be opened: whether it is this machine that refuses it, or it is not
-    there."""
+    """Return the code for a device that cannot be opened: no rights, busy, or not reachable."""
     match getattr(err, "errno", None):
         case errno.EACCES | errno.EPERM:
             return "rights"
@@ -31,7 +30,7 @@ def code_of(err: BaseException) -> Code:
 
 
 def is_settling(path: str) -> bool:
-    """Return whether a device file appeared or changed its rights so lately that udev may not be through."""
+    """Return whether a device file appeared or changed its rights so recently that udev may not have finished."""
     try:
         return abs(time.time() - Path(path).stat().st_ctime) < SETTLED_S
     except OSError:

@@ -7,16 +7,16 @@ class ByteLine(Protocol):
     """The bytes to and from a device."""
 
     def read(self, wait_s: float = 0.0) -> bytes:
-        """Return what has come in, waiting `wait_s` at most."""
+        """Return the received bytes, waiting `wait_s` at most for the first."""
 
     def write(self, data: bytes) -> int:
-        """Hand over what the line takes at once and return how much."""
+        """Write as much as the line takes at once; return how many bytes that was."""
 
     def drop_output(self) -> None:
-        """Throw away what has not left yet."""
+        """Discard the output that has not left yet."""
 
     def drop_input(self) -> None:
-        """Throw away what was not read yet."""
+        """Discard the input that was not read yet."""
 
     def close(self) -> None:
         """Close the device."""

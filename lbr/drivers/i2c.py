@@ -1,7 +1,4 @@
-"""An i2c bus held by one driver: found by the address in its device row, and failures told to people.
-
-Addresses: `i2c:BUS:ADDRESS` (`i2c:1:0x68` is 0x68 on /dev/i2c-1), or `unix:PATH[:ADDRESS]` for a bus over a socket.
-"""
+"""An i2c bus held by one driver: opened by the address in its device row, with errors worded for people."""
 
 import errno
 import fcntl
@@ -18,7 +15,7 @@ from lbr.drivers.i2c_socket import SocketBus
 from lbr.errors import DeviceError
 
 UNANSWERED = frozenset({errno.EREMOTEIO, errno.ENXIO, errno.ENODEV, errno.ETIMEDOUT, errno.EIO})
-"""The errors of adapters when no device answers; each has its own code, and no code means anything more."""
+"""The errors of adapters when no device answers. Each adapter has its own; none means anything more specific."""
 
 _FIRST, _LAST = 0x08, 0x77
 _I2C_TIMEOUT = 0x0702
@@ -26,7 +23,7 @@ _TIMEOUT_10MS = 5
 
 
 class Place(NamedTuple):
-    """Where a device is: on bus `number`, or at the socket `path`; `address` is its own."""
+    """The location of a device: bus `number`, or the socket `path`, and its own `address`."""
 
     number: int
     path: str
@@ -34,7 +31,7 @@ class Place(NamedTuple):
 
 
 class KernelBus(Bus):
-    """A bus of this machine's."""
+    """A bus of this machine."""
 
     def __init__(self, number: int, tap: Tap) -> None:
         try:
@@ -43,12 +40,12 @@ class KernelBus(Bus):
             raise DeviceError("the package smbus2 is not installed; pip install lbr brings it") from err
         self._bus = SMBus(number)
         if self._bus.fd is not None:
-            with suppress(OSError):  # an adapter may wait a whole second otherwise
+            with suppress(OSError):  # otherwise an adapter may wait a whole second
                 fcntl.ioctl(self._bus.fd, _I2C_TIMEOUT, _TIMEOUT_10MS)
         super().__init__(tap)
 
     def transact(self, address: int, written: bytes, length: int) -> bytes:
-        """Use the call of SMBus for that many bytes."""
+        """Make the SMBus call for that many bytes."""
         bus, (register, *data) = self._bus, written
         match length, data:
             case 0, [value]:
@@ -69,7 +66,7 @@ class KernelBus(Bus):
 
 
 def open_bus(device: Device, default_address: int) -> tuple[Bus, int]:
-    """Open the bus of a device row; return it and the device's address on it, `default_address` if the row has none."""
+    """Open the bus of a device row; return it with the device's address, `default_address` if the row has none."""
     place = locate(device, default_address)
     try:
         bus = SocketBus(place.path, device.tap) if place.path else KernelBus(place.number, device.tap)
@@ -79,7 +76,7 @@ def open_bus(device: Device, default_address: int) -> tuple[Bus, int]:
 
 
 def locate(device: Device, default_address: int) -> Place:
-    """Return what a device row's address means; raise DeviceError if it means nothing."""
+    """Return the location in a device row's address; raise DeviceError if it is malformed."""
     if found := _KERNEL.fullmatch(device.address):
         place = Place(int(found[1]), "", int(found[2], 0))
     elif found := _SOCKET.fullmatch(device.address):
@@ -94,7 +91,7 @@ def locate(device: Device, default_address: int) -> Place:
 
 
 def unanswered(device: Device, address: int, err: OSError, what: str = "") -> DeviceError:
-    """Return the error to raise when a device on an open bus does not do as it should."""
+    """Return the DeviceError for a device on an open bus that fails or does not answer."""
     complaint = f"device '{device.name}' at {device.address}: {what or 'it'}"
     if err.errno in UNANSWERED:
         complaint = f"{complaint} does not answer at {address:#04x} ({_cause(err)}); check its power and wiring"

@@ -1,8 +1,8 @@
-"""The i2c bus as drivers need it, whatever is behind it; a recorder hears its transactions.
+"""The interface of an i2c bus for drivers, on real hardware or a socket; a recorder receives its transactions.
 
-A transaction for the recorder, as on a socket: u8 number of messages; for each u8 7-bit address, u8 flags (1: read), u16
-length, and the bytes of a write. Its answer: u8 status (0, or an errno), then, if it is 0, the bytes of all reads in
-order. Numbers are little endian.
+A transaction for the recorder, as on a socket, starts with u8 number of messages. Each message has u8 7-bit address, u8
+flags (1: read), u16 length, and the bytes of a write. Its answer: u8 status (0, or an errno), then, if it is 0, the
+bytes of all reads in order. Numbers are little endian.
 """
 
 import errno
@@ -44,8 +44,8 @@ def encode_transaction(messages: Sequence[Write | Read]) -> bytes:
 
 
 class Bus(ABC):
-    """The calls of `smbus2.SMBus` that drivers use; each is one transaction, and raises OSError, with an errno, if it
-    did not succeed."""
+    """The calls of `smbus2.SMBus` that drivers use; each is one transaction and raises OSError with an errno if it
+    fails."""
 
     def __init__(self, tap: Tap) -> None:
         self._tap = tap
@@ -60,7 +60,7 @@ class Bus(ABC):
         return int.from_bytes(self._recorded(address, bytes((register,)), 2), "little")
 
     def read_i2c_block_data(self, address: int, register: int, length: int) -> list[int]:
-        """Return up to 32 registers of one instant."""
+        """Return up to 32 registers, read at one instant."""
         _check_length(length)
         return list(self._recorded(address, bytes((register,)), length))
 
@@ -75,14 +75,14 @@ class Bus(ABC):
 
     @abstractmethod
     def transact(self, address: int, written: bytes, length: int) -> bytes:
-        """Write a register's number, and what is to be in it; or read so many bytes from there on."""
+        """Write a register's number and its new content, or read `length` bytes from that register on."""
 
     @abstractmethod
     def close(self) -> None:
         """Close the device."""
 
     def _recorded(self, address: int, written: bytes, length: int = 0) -> bytes:
-        """Do a transaction; the answer of one that failed is its errno."""
+        """Do a transaction; the recorder gets the errno of a failed one as its answer."""
         self._tap.sent(encode(address, written, length))
         try:
             data = self.transact(address, written, length)

@@ -13,10 +13,10 @@ DEADLINE_S = 0.05
 
 
 class SocketBus(Bus):
-    """Every failure is an OSError with an errno that a Pi's bus knows too.
+    """A bus whose every failure is an OSError with an errno that a Pi's bus has too.
 
-    No call takes longer than the deadline. One that was cut short leaves the stream out of step, so that the next one
-    connects again.
+    No call takes longer than the deadline. An interrupted call leaves the stream out of step, so the next one
+    reconnects.
     """
 
     def __init__(self, path: str, tap: Tap | None = None, deadline_s: float = DEADLINE_S) -> None:

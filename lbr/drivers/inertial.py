@@ -1,4 +1,4 @@
-"""The common part of inertial units: SI units, full scales, the signs of one that measures nothing, and its report."""
+"""The common part of inertial units: SI units, ranges, checks that readings are live, and events."""
 
 from math import pi
 
@@ -17,7 +17,7 @@ Counts = tuple[int, int, int]
 
 
 def scaled(counts: Counts, unit: float) -> Vector | None:
-    """Return what three numbers of 16 bits mean; None if one is at the end of its range, which is not measured."""
+    """Return three 16-bit numbers in their unit; None if one is at the end of its range, and so was not measured."""
     x, y, z = counts
     if LOWEST in counts or HIGHEST in counts:
         return None
@@ -27,30 +27,30 @@ def scaled(counts: Counts, unit: float) -> Vector | None:
 QUIET_S = 2.0
 QUIET_RPS = 0.02
 QUIET_MPS2 = 0.5
-"""Ten times the noise of the units that there are, and less than any motion that a wheel or a hand begins."""
+"""Ten times the noise of the supported units, and less than any motion that a wheel or a hand begins."""
 QUIET_HZ = 25.0
-"""The pace at which a unit at rest is asked. Its first report of a motion is 40 ms old at most, in which a base that
-starts as fast as it may turns by half a degree, and the mean of two samples counts most of that."""
+"""The rate at which a unit at rest is read. Its first report of a motion is 40 ms old at most. In that time a base at
+its highest acceleration turns by half a degree. The mean of two samples keeps most of that."""
 
 
 AT_REST = 2
-"""So many readings are one sample at rest, where no axis turns faster than `SLOW_RPS`. 40 ms of that are a quarter of
-a degree. A sample then comes twice within the 0.2 s of its life."""
+"""The number of readings in one sample at rest, where no axis turns faster than `SLOW_RPS`. In 40 ms that is a quarter
+of a degree. A sample then comes twice within its life of 0.2 s."""
 SLOW_RPS = 0.1
 LATE_S = 1.5 / QUIET_HZ
 
 
 class Quiet:
-    """Tells whether a unit has lain still for a while, so that fewer samples say as much."""
+    """Detects that a unit has lain still for a while, so that fewer samples are enough."""
 
     def __init__(self) -> None:
         self._like: ImuSample | None = None
         self._last: ImuSample | None = None
 
     def look(self, sample: ImuSample) -> bool:
-        """Say so after each sample; what is not measured begins it anew.
+        """Return whether the unit is still, after each sample; an unmeasured value starts the time anew.
 
-        A repeated sample is a reason to look more often, and no motion: a unit that is asked early repeats its last.
+        A repeated sample asks for more frequent readings but is no motion: a unit that is read early repeats its last.
         """
         last, self._last = self._last, sample
         if self._like is None or not _near(sample, self._like):
@@ -61,13 +61,13 @@ class Quiet:
 
 
 class RestingSamples:
-    """Makes one sample of some readings of a unit at rest: their mean, so that a heading by it is as exact."""
+    """Averages readings of a unit at rest into one sample, so that a heading from them stays as exact."""
 
     def __init__(self) -> None:
         self._readings: list[ImuSample] = []
 
     def take(self, reading: ImuSample, *, quiet: bool) -> list[ImuSample]:
-        """Return the samples to publish now: none while more readings are to come, all as soon as it moves."""
+        """Return the samples to publish now: empty while more readings are due, all of them as soon as it moves."""
         waiting = self._readings
         if not (quiet and _is_slow(reading)):
             self._readings = []
@@ -83,7 +83,7 @@ class RestingSamples:
 
 
 class LifeSigns:
-    """Tells a unit at work from one that is asleep, gone or frozen: real noise never repeats, not even after a
+    """Distinguishes a working unit from one that is asleep, gone or frozen: real noise never repeats, even after a
     restart."""
 
     def __init__(self, most_alike: int) -> None:
@@ -92,7 +92,7 @@ class LifeSigns:
         self._alike = 0
 
     def missing(self, counts: tuple[int, ...]) -> str:
-        """Return why the newest reading of all axes is not valid, empty if it is."""
+        """Return why the newest reading of all axes is invalid, or an empty string."""
         self._alike = self._alike + 1 if counts == self._last else 1
         self._last = counts
         if not any(counts):
@@ -105,17 +105,17 @@ class LifeSigns:
 
 
 class Notices:
-    """Makes events of what a unit tells, none of a kind more often than every few seconds."""
+    """Publishes warnings of a unit, at most one of a kind every few seconds."""
 
     def __init__(self, ctx: Context[Struct]) -> None:
         self._ctx = ctx
-        self._told: dict[str, float] = {}
+        self._published_at: dict[str, float] = {}
 
     def tell(self, kind: str, text: str) -> None:
-        """Tell people, unless they were told of the same kind a moment ago."""
+        """Publish a warning, unless one of its kind was published a moment ago."""
         now = self._ctx.clock()
-        if now - self._told.get(kind, -REPORT_PERIOD_S) >= REPORT_PERIOD_S:
-            self._told[kind] = now
+        if now - self._published_at.get(kind, -REPORT_PERIOD_S) >= REPORT_PERIOD_S:
+            self._published_at[kind] = now
             self._ctx.event(kind, text, level="warning")
 
 

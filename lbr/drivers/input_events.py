@@ -1,7 +1,8 @@
 """The kernel's input events: bytes to types, codes and values. No I/O.
 
-`struct input_event` (linux/input.h): seconds and microseconds as long as a `long` of this userland, u16 type, u16 code,
-i32 value, in the byte order of the machine: 24 bytes where a long has 64 bits, else 16.
+`struct input_event` (linux/input.h) has two times, u16 type, u16 code and i32 value, in the machine's byte order. The
+times, seconds and microseconds, are as long as a `long` of this userland. A record has 24 bytes with a long of 64 bits,
+else 16.
 """
 
 import struct
@@ -10,7 +11,7 @@ from typing import Generic, NamedTuple, TypeVar
 
 EVENT_64, EVENT_32 = struct.Struct("=qqHHi"), struct.Struct("=IIHHi")
 EVENT = EVENT_64 if struct.calcsize("l") == 8 else EVENT_32
-"""As the kernel writes it to this process."""
+"""The layout that the kernel uses for this process."""
 EV_SYN, EV_KEY, EV_ABS, EV_MSC = 0, 1, 3, 4
 SYN_REPORT, SYN_DROPPED = 0, 3
 MSC_SCAN = 4
@@ -21,7 +22,7 @@ R = TypeVar("R")
 
 
 class InputEvent(NamedTuple):
-    """One event; `taken_s` is when, in seconds of the clock that the device was told to go by."""
+    """One event; `taken_s` is its time, in seconds of the clock that the device was set to."""
 
     type: int
     code: int
@@ -30,13 +31,13 @@ class InputEvent(NamedTuple):
 
 
 class BadRecordError(ValueError):
-    """These bytes are no record."""
+    """These bytes are not a record."""
 
 
 class RecordParser(Generic[R]):
-    """Turns bytes, in pieces of any size, into `read`'s values of records; other bytes are passed over one by one.
+    """Turns bytes, in pieces of any size, into the values that `read` returns; other bytes are skipped one by one.
 
-    A record is found again after a damaged one at the next pause at the latest.
+    After a damaged record it is in step again at the next pause at the latest.
     """
 
     def __init__(self, size: int, read: Callable[[bytes], R | None]) -> None:
@@ -46,7 +47,7 @@ class RecordParser(Generic[R]):
         self._held = b""
 
     def feed(self, data: bytes) -> list[R]:
-        """Return what these bytes complete; a record of which nothing is made is left out."""
+        """Return the values that these bytes complete; records for which `read` returns None are left out."""
         held = self._held + data
         values, at = [], 0
         while at + self._size <= len(held):
@@ -63,13 +64,14 @@ class RecordParser(Generic[R]):
         return values
 
     def pause(self) -> None:
-        """Nothing came: the kernel writes whole records, so what is held is the rest of a damaged one."""
+        """Drop the held bytes: the kernel writes whole records, so without more input they are the rest of a damaged
+        one."""
         self.passed_over += len(self._held)
         self._held = b""
 
 
 def read_event(record: bytes, layout: struct.Struct = EVENT) -> InputEvent:
-    """Return what a record holds; raise BadRecordError if no kernel writes such a one."""
+    """Return the event in a record; raise BadRecordError if no kernel writes such a record."""
     seconds, micros, type_, code, value = layout.unpack(record)
     if not (0 <= seconds < _LATEST_S and 0 <= micros < 1_000_000 and type_ < TYPES and code < CODES):
         raise BadRecordError

@@ -1,5 +1,4 @@
-"""A node of the kernel's input, such as /dev/input/event0 or /dev/lirc0, as an open file that is read without
-waiting."""
+"""A node of the kernel's input, such as /dev/input/event0 or /dev/lirc0, as an open file; reads never wait."""
 
 import errno
 import fcntl
@@ -19,13 +18,13 @@ READ_BYTES = 24 * 64
 EVIOCGRAB, EVIOCSCLOCKID, CLOCK_MONOTONIC = 0x40044590, 0x400445A0, 1
 MISSING = "is missing; plug it in, or correct the address in the device row"
 UNKNOWN = (errno.ENOTTY, errno.EINVAL, errno.ENOSYS)
-"""The answers of anything but an input device, such as an emulated one, to questions for input devices."""
+"""The errors with which anything but an input device, such as an emulated one, answers an input device's requests."""
 
 
 class InputNode(Generic[R]):
-    """Raises a DeviceError that names the device row, the path and what to do, when it is missing or goes away.
+    """An open input node; a DeviceError names the device row, the path and the cure when it is missing or goes away.
 
-    The path of what is nowhere is empty.
+    An empty path means that the device was not found.
     """
 
     def __init__(self, device: Device, path: str, parser: RecordParser[R]) -> None:
@@ -33,16 +32,16 @@ class InputNode(Generic[R]):
         self._parser = parser
         self._fd = self._open(path)
         device.tap.opened()
-        with suppress(termios.error):  # an emulated one is a tty
+        with suppress(termios.error):  # an emulated device is a tty
             termios.tcflush(self._fd, termios.TCIFLUSH)
 
     @property
     def passed_over(self) -> int:
-        """Return how many bytes were no part of a record."""
+        """Return how many bytes belonged to no record."""
         return self._parser.passed_over
 
     def poll(self) -> list[R]:
-        """Return the records that have come in since the last call."""
+        """Return the records received since the last call."""
         try:
             data = os.read(self._fd, READ_BYTES)
         except BlockingIOError:
@@ -56,7 +55,7 @@ class InputNode(Generic[R]):
         return self._parser.feed(data)
 
     def ask(self, request: int, answer: int = 0) -> bytes | None:
-        """Return what it answers to a request, in so many bytes; None if it knows no such request."""
+        """Return the answer to a request, of `answer` bytes; None if the device does not support the request."""
         try:
             return fcntl.ioctl(self._fd, request, bytes(answer))
         except OSError as err:
@@ -65,11 +64,11 @@ class InputNode(Generic[R]):
             raise self.error(f"went away ({err.strerror}); check its cable") from err
 
     def order(self, request: int, argument: bytes | int) -> None:
-        """Have it do something; raise OSError if it does not."""
+        """Send a request that changes the device; raise OSError if it fails."""
         fcntl.ioctl(self._fd, request, argument)
 
     def claim(self) -> None:
-        """Keep its keys from all other readers, and have times by the clock of lbr."""
+        """Keep its events from all other readers, and date them by the monotonic clock."""
         for request, argument in ((EVIOCSCLOCKID, struct.pack("=i", CLOCK_MONOTONIC)), (EVIOCGRAB, 1)):
             try:
                 self.order(request, argument)
@@ -83,7 +82,7 @@ class InputNode(Generic[R]):
             os.close(self._fd)
 
     def error(self, what: str, code: Code = "unreachable") -> DeviceError:
-        """Return what to raise."""
+        """Return the DeviceError for this device."""
         return DeviceError(f"device '{self._device.name}' at {self._device.address} {what}", code)
 
     def _open(self, path: str) -> int:

@@ -1,4 +1,4 @@
-"""A guard has a line alone only while it speaks: the moment a new driver has it, the guard is done."""
+"""A guard's short locks on a line: it locks only while it writes, and stops as soon as a new driver has the line."""
 
 import fcntl
 import termios
@@ -14,14 +14,14 @@ class TakenError(Exception):
 
 
 def share(tty: int) -> None:
-    """Let a new driver open the line although the dead one had it for itself."""
+    """Let a new driver open the line although the dead one had opened it exclusively."""
     with suppress(OSError, termios.error):
         fcntl.ioctl(tty, termios.TIOCNXCL)
 
 
 @contextmanager
 def alone(tty: int) -> Iterator[None]:
-    """Have the line alone, or raise TakenError."""
+    """Hold the lock on the line, or raise TakenError."""
     try:
         fcntl.flock(tty, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -33,6 +33,6 @@ def alone(tty: int) -> Iterator[None]:
 
 
 def drop_output(tty: int) -> None:
-    """Throw away what has not left: closing a line waits for its output, for half a minute."""
+    """Discard the output that has not left: otherwise closing the line waits for it, for half a minute."""
     with suppress(OSError, termios.error):
         termios.tcflush(tty, termios.TCOFLUSH)

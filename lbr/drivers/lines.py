@@ -1,4 +1,4 @@
-"""Bytes in pieces of any size become lines of bounded length; whatever comes, at most one line is held."""
+"""Bytes in pieces of any size become lines of bounded length; at most one line is held."""
 
 import re
 from collections.abc import Iterator
@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class RawLine:
-    """A line without its end; of one that was too long only the beginning is kept."""
+    """A line without its end; an overlong line keeps only its beginning."""
 
     data: bytes
     overlong: bool
 
     @property
     def readable(self) -> str:
-        """The line's beginning in printable characters."""
+        """The beginning of the line in printable characters."""
         return repr(self.data[:40])[2:-1]
 
 
@@ -38,7 +38,7 @@ class LineSplitter:
         self._extend(rest)
 
     def reset(self) -> None:
-        """Forget a line begun."""
+        """Forget the unfinished line."""
         self._line.clear()
         self._overlong = False
 

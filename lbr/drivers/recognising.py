@@ -1,7 +1,7 @@
-"""Asks what is at the end of a line, on a bus or behind a kernel's name, by the handshakes that drivers declare.
+"""Identifies devices on a line, on a bus or by a kernel's name, with the handshakes that drivers declare.
 
-Nothing is written but their questions. Every end is asked within a time, whatever is there: one that floods, is silent,
-speaks rubbish or goes away ends in words.
+Only their questions are written. Each device has a time limit: one that floods, is silent, sends rubbish or goes away
+yields a sentence.
 """
 
 import threading
@@ -18,25 +18,25 @@ from lbr.drivers.serial_line import SerialLine, open_line
 from lbr.errors import DeviceError
 
 Known = Mapping[str, tuple[Handshake, ...]]
-"""Handshakes by the type of device that they are of."""
+"""Handshakes by device type."""
 Found = tuple[str, Seen]
-"""A type of device, and what was seen of it."""
+"""A device type, and what was recognised of it."""
 NAME = "what is there"
 MOST_HEARD = 16_384
-"""Of a device that floods, no more is looked at in one handshake."""
+"""The most bytes that one handshake reads from a device that floods."""
 SHOWN_BYTES = 24
 FIRST_BAUD = 115_200
 LEAVE_S = 0.005
-"""Until the last bytes have left: what has not when a line is closed is thrown away."""
+"""The time for the last bytes to leave: closing a line discards the rest."""
 JUDGED_S = 1.0
-"""A package's driver has so long to say what some bytes are, which takes others microseconds."""
+"""The time that a package's driver may take to judge an answer; the others take microseconds."""
 _HUNG: set[Callable[..., Seen | None]] = set()
 
 
 def serial(path: str, known: Known, *, wait_s: float, ask: bool = True) -> tuple[Found | None, str]:
-    """Return what is on a serial line, or None and what can be said instead. DeviceError says why it cannot be opened.
+    """Return the device on a serial line, or None and the reason; raise DeviceError if the line cannot be opened.
 
-    `ask` false: only what talks by itself is recognised, and no byte is written.
+    Without `ask` only devices that talk by themselves are recognised, and nothing is written.
     """
     wanted = _in_order(
         (type_, one)
@@ -81,9 +81,9 @@ def _go_through(
 
 
 def at_i2c(bus_address: str, known: Known, skip: Iterable[int] = ()) -> list[tuple[int, Found]]:
-    """Return what answers on a bus, `i2c:N` or `unix:PATH`, at the addresses that drivers know; `skip` are left alone.
+    """Return the devices on a bus, `i2c:N` or `unix:PATH`, at the addresses that drivers declare, except `skip`.
 
-    DeviceError says why the bus cannot be opened.
+    Raises DeviceError if the bus cannot be opened.
     """
     wanted = [
         (type_, handshake) for type_, ones in known.items() for handshake in ones if isinstance(handshake, I2cHandshake)
@@ -105,7 +105,7 @@ def at_i2c(bus_address: str, known: Known, skip: Iterable[int] = ()) -> list[tup
 
 
 def by_name(place: str, name: str, known: Known) -> Found | None:
-    """Return what the kernel's name of a node says it is."""
+    """Return the device that the kernel's name of a node identifies."""
     for type_, ones in known.items():
         for one in ones:
             if isinstance(one, NameHandshake) and one.place == place and (seen := _judged(one.seen, name)) is not None:
@@ -114,7 +114,7 @@ def by_name(place: str, name: str, known: Known) -> Found | None:
 
 
 def _in_order(wanted: Iterable[tuple[str, SerialHandshake]]) -> list[tuple[str, SerialHandshake]]:
-    """Listen first; then ask at the speed that most have, which changes seldom."""
+    """Put the handshakes that only listen first; then sort by speed, the most common first, so that it changes seldom."""
     return sorted(wanted, key=lambda one: (bool(one[1].questions), one[1].baud != FIRST_BAUD, one[1].baud, one[0]))
 
 
@@ -152,21 +152,20 @@ def _read(bus: Bus, address: int, handshake: I2cHandshake) -> Seen | None:
 
 
 def hung() -> list[str]:
-    """Return the recognitions of packages that did not return, for people; no end is judged by them any more."""
+    """Return sentences about recognitions of packages that did not return; they judge no device any more."""
     return sorted(
         f"{_name(judge)} has not returned within {JUDGED_S:g} s, and recognises nothing here" for judge in _HUNG
     )
 
 
 def _judged(judge: Callable[..., Seen | None], answer: bytes | str | Read) -> Seen | None:
-    """Return what a driver makes of an answer; a judge that breaks at what a strange device says has not recognised
-    it."""
+    """Return a driver's verdict on an answer; None if its code fails on it."""
     if judge in _HUNG:
         return None
     verdicts: list[object] = []
 
     def run() -> None:
-        with suppress(Exception, SystemExit):  # it may be a package's, and what it is given may be anything
+        with suppress(Exception, SystemExit):  # a package's code, and any answer
             verdicts.append(judge(answer))
 
     if _name(judge).startswith("lbr."):

@@ -25,7 +25,7 @@ BITS_PER_BYTE = 10
 
 
 class SerialLine:
-    """An open tty. Every failure is a DeviceError that names the device row, the path and what to do.
+    """An open tty. Every failure is a DeviceError that names the device row, the path and the cure.
 
     A guard has no `port`, only the descriptor that it was given.
     """
@@ -47,7 +47,7 @@ class SerialLine:
         return self._fd
 
     def read(self, wait_s: float = 0.0) -> bytes:
-        """Return what has come in, waiting for the first byte for `wait_s` at most; empty if nothing has."""
+        """Return the received bytes, waiting for the first for `wait_s` at most, and else nothing."""
         try:
             if not self._wait(wait_s * 1000.0 if wait_s > 0.0 else 0):
                 return b""
@@ -62,7 +62,7 @@ class SerialLine:
         return data
 
     def write(self, data: bytes) -> int:
-        """Hand over what the line takes at once and return how much that was; never waits."""
+        """Write as much as the line takes at once; return how many bytes that was. Never waits."""
         try:
             written = os.write(self._fd, data)
         except BlockingIOError:
@@ -73,7 +73,7 @@ class SerialLine:
         return written
 
     def send(self, data: bytes) -> bool:
-        """Write all of it at once; False when the line takes no more, which then has lost what it held."""
+        """Write all of it at once; return False if the line takes no more, and discard its pending output."""
         if self.write(data) == len(data):
             return True
         self.drop_output()
@@ -84,7 +84,7 @@ class SerialLine:
         return count * BITS_PER_BYTE / self.baud
 
     def set_baud(self, baud: int) -> None:
-        """Go on at another speed; the line stays open, so that a board that begins again at each opening does not."""
+        """Change the speed; the line stays open, so that a board that resets at each opening does not."""
         assert self._port is not None
         try:
             self._port.baudrate = baud
@@ -94,21 +94,21 @@ class SerialLine:
             raise self._line_lost(f"cannot be set to {baud} baud: {_cause(err)}") from err
 
     def low_latency(self) -> None:
-        """Have the kernel hand over what comes in at once, where the line can: some adapters wait for 16 ms."""
+        """Make the kernel deliver input at once, where the line supports it: some adapters wait for 16 ms."""
         assert self._port is not None
         with suppress(OSError, ValueError, termios.error):
             self._port.set_low_latency_mode(True)
 
     def drop_output(self) -> None:
-        """Throw away what was written and has not left yet."""
+        """Discard the output that has not left yet."""
         self._flush(termios.TCOFLUSH)
 
     def drop_input(self) -> None:
-        """Throw away what has come in and was not read yet."""
+        """Discard the input that was not read yet."""
         self._flush(termios.TCIFLUSH)
 
     def close(self) -> None:
-        """Close the line; never fails. A guard's is the kernel's to close."""
+        """Close the line; never fails. The kernel closes a guard's line."""
         if self._port is not None:
             with suppress(OSError, termios.error):
                 self._port.close()
@@ -132,7 +132,7 @@ def open_line(device: Device, baud: int) -> SerialLine:
 
 
 def opened(device: Device, baud: int, line: Callable[..., L]) -> L:
-    """Open the same, as a `line` of a subclass."""
+    """Open the line of a device row as `line`, a subclass."""
     path = resolve(device)
     try:
         port = serial.Serial(path, baudrate=baud, timeout=0, write_timeout=0, exclusive=True)
@@ -146,7 +146,7 @@ def opened(device: Device, baud: int, line: Callable[..., L]) -> L:
 
 
 def resolve(device: Device, ports: Callable[[], list[tuple[str, int | None, int | None, str]]] | None = None) -> str:
-    """Return the path that an address means: a path, `usb:VID:PID[:SERIAL]`, or `by-id:GLOB`."""
+    """Return the path for an address: a path, `usb:VID:PID[:SERIAL]`, or `by-id:GLOB`."""
     address = device.address
     if address.startswith("/"):
         return address
@@ -182,7 +182,7 @@ def _matching_usb(usb: re.Match[str], ports: list[tuple[str, int | None, int | N
 
 def _why_not(device: str, path: str, err: Exception) -> str:
     line = f"device '{device}' at {path}"
-    # pyserial words its refusals its own way, but keeps the number, or what it was raised from
+    # pyserial words its refusals its own way, but keeps the errno, or the error that it was raised from
     first = err.__context__ if isinstance(err.__context__, termios.error) else None
     match getattr(err, "errno", None) or (first.args[0] if first is not None else None):
         case 21 | 25:
@@ -198,8 +198,7 @@ def _why_not(device: str, path: str, err: Exception) -> str:
 
 
 def holder(path: str) -> str:
-    """Return `: held by PROGRAM (pid N)`, the process that holds the lock on a tty, as far as the kernel tells; it is
-    not opened."""
+    """Return `: held by PROGRAM (pid N)`, the owner of a tty's lock, or an empty string; the tty is not opened."""
     try:
         stat = Path(path).stat()
         node = f"{os.major(stat.st_dev):02x}:{os.minor(stat.st_dev):02x}:{stat.st_ino}"

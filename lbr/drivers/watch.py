@@ -1,4 +1,4 @@
-"""The beginning of every guard process: waiting until its driver dies, or falls silent while something may move.
+"""The start of every guard process: waiting until its driver dies, or falls silent while something may move.
 
 The driver writes `m` to the pipe while something may move, `z` while nothing does, and `q` to dismiss. Imports little:
 guards that run without the project use it.
@@ -13,12 +13,12 @@ TURNING, RESTING, DISMISSED = b"m", b"z", b"q"
 
 
 def outlast(pipe: int, driver: int, silence_ms: int, words_fd: int, words: bytes) -> bool:
-    """Return False when dismissed, True when the driver is dead; one that hangs is ended, after its last words."""
+    """Return False when dismissed, True when the driver is dead; kill a hung driver after writing `words`."""
     return outlasted(pipe, driver, silence_ms, words_fd, words) != DISMISSED
 
 
 def outlasted(pipe: int, driver: int, silence_ms: int, words_fd: int, words: bytes) -> bytes:
-    """Return `q` when dismissed; `m` or `z` when the driver is dead, as it said last; see `outlast`."""
+    """Return `q` when dismissed; when the driver is dead, its last beat: `m` or `z`. See `outlast`."""
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
     end, state = _watched(pipe, silence_ms)
@@ -36,7 +36,7 @@ def watch(pipe: int, silence_ms: int) -> bytes:
 
 
 def _watched(pipe: int, silence_ms: int) -> tuple[bytes, bytes]:
-    """Return how it ended, as `watch` does, and what was said last."""
+    """Return the result of `watch`, and the last beat."""
     poll = select.poll()
     poll.register(pipe, select.POLLIN)
     state = RESTING

@@ -1,4 +1,4 @@
-"""Operations: they own the motion, between those who ask for it and the drivers that carry it out."""
+"""Operations: they own the motion, between the senders of commands and the drivers that carry it out."""
 
 from lbr.component import Component
 

@@ -1,4 +1,4 @@
-"""The process around a kernel that lends what moves: emergency stop, driver, holder, what waits, and what is told."""
+"""The process around a kernel that grants leases: emergency stop, driver, holder, waiting commands, and publishing."""
 
 import hashlib
 import secrets
@@ -31,7 +31,7 @@ class LeasedState(Protocol):
 
     @property
     def leases(self) -> LeaseTable[Any]:
-        """Return the holder of the mover."""
+        """Return the leases, with the current holder."""
 
 
 S = TypeVar("S", bound=Struct)
@@ -39,7 +39,7 @@ L = TypeVar("L", bound=LeasedState)
 
 
 class WaitingCommand(NamedTuple):
-    """A command that waits for others to answer, and what follows; None is that they did not in time."""
+    """A command that waits for replies of others, and its continuation; that gets None if they do not reply in time."""
 
     call: Call
     asked: PendingReply
@@ -48,10 +48,10 @@ class WaitingCommand(NamedTuple):
 
 
 class LeasingCapability(Capability[S], Generic[S, L]):
-    """Subclass it around a kernel: every decision is the kernel's, every message passes here.
+    """The base class around a kernel: every decision is the kernel's, every message passes here.
 
-    `ends` says that the process does, `driver` the input by which it hears what moves, `tick` the event of a round.
-    `feeds` are the inputs without which its first command would be refused.
+    `ends` is the reason at the end of the process, `driver` the input with the driver's state, `tick` the event of a
+    round. `feeds` are the inputs without which a first command would be refused.
     """
 
     ends: str
@@ -63,11 +63,11 @@ class LeasingCapability(Capability[S], Generic[S, L]):
 
     @abstractmethod
     def first(self) -> L:
-        """Return the state in which nothing is lent."""
+        """Return the initial state, without a lease."""
 
     @abstractmethod
     def decide(self, event: Any, now: float) -> tuple[L, tuple[Any, ...]]:
-        """Return the kernel's state after an event, and what it says."""
+        """Return the kernel's state after an event, and its outputs."""
 
     def lend(self, call: Call) -> None:
         """Decide any command but a stop."""
@@ -75,41 +75,42 @@ class LeasingCapability(Capability[S], Generic[S, L]):
 
     @abstractmethod
     def not_at_rest(self) -> str:
-        """Return why the emergency stop is not acknowledged yet, or nothing."""
+        """Return why the emergency stop is not acknowledged yet, or an empty string."""
 
     def trouble(self) -> Reason | None:
-        """Return why what moves would not follow, or nothing."""
+        """Return why a motion would not be followed, or None."""
         return None
 
     def lacks(self) -> Reason | None:
-        """Return why nothing would be lent now; what moves is armed by then, and what feeds the decision has come."""
+        """Return why no lease would be granted now, or None: the driver must be ready, and every feed must have a
+        message."""
         leases = self._state.leases
         return latched(leases) if leases.estop else self.awaited(*self.feeds) or self.trouble()
 
     @abstractmethod
     def report(self) -> None:
-        """Publish what the world may know, when it is due."""
+        """Publish the state, when it is due."""
 
     def hear(self) -> None:
-        """Take in what came on other inputs than the driver's."""
+        """Read the inputs other than the driver's."""
 
     def driver_seen(self, received: Received) -> object:
-        """Return the event that the driver said how it is."""
+        """Return the event for a state of the driver."""
         del received
         return self.tick
 
     def driver_lost(self, names: str) -> object:
-        """Return the event that the driver is gone."""
+        """Return the event for a lost driver."""
         del names
         return self.tick
 
     def holder_gone(self, holder: str) -> object:
-        """Return the event that the process of a holder is gone."""
+        """Return the event for a holder whose process is gone."""
         why = f"the process of {holder} is gone"
         return Stop(source=holder, received=self.ctx.clock(), reason=why, lost=True)
 
     def begin(self) -> None:
-        """Begin with nothing lent."""
+        """Start without a lease."""
         self._state = self.first()
         self.keep_time()
         self._waiting: deque[WaitingCommand] = deque()
@@ -117,11 +118,11 @@ class LeasingCapability(Capability[S], Generic[S, L]):
         self._alive_holder = self._pressed_by = ""
 
     def keep_time(self, after: float | None = None) -> None:
-        """Begin the rounds of the loop at its rate of now: at once, or a period `after` a round."""
+        """Start the rounds of the loop at its current rate: at once, or one period `after` a round."""
         self._beat, self._meter, self._loop = Beat(self.rate_hz, after), LoopMeter(self.rate_hz), None
 
     def step(self) -> None:
-        """Take in what arrived; at the loop's rate have time go by."""
+        """Process arrived messages, and do a round when it is due."""
         self.listen()
         self.settle()
         now = self.ctx.clock()
@@ -131,9 +132,9 @@ class LeasingCapability(Capability[S], Generic[S, L]):
         self.report()
 
     def command(self, call: Call) -> None:
-        """Decide a command now, or once those have answered whom it needs.
+        """Decide a command now, or after the replies that it needs.
 
-        By a name that comes from another machine nothing is lost, or passed on: that proves nothing.
+        `lost` in a command from another machine is ignored: its source's name proves nothing.
         """
         self.listen()
         if call.name == STOP:
@@ -154,19 +155,19 @@ class LeasingCapability(Capability[S], Generic[S, L]):
         self.report()
 
     def woke(self, slept_s: float) -> None:
-        """End what moved before the computer slept: no lease lapsed meanwhile, since its clock stood still."""
+        """End every motion from before the computer slept: leases did not expire, since its clock stood still."""
         reason = f"this computer slept for {slept_s:.0f} s"
         self.happen(Stop(source=self.ctx.name, received=self.ctx.clock(), reason=reason))
 
     def close(self) -> None:
-        """Refuse what waits, and stop what goes on."""
+        """Refuse waiting commands, and stop the current motion."""
         while self._waiting:
             self._waiting.popleft().call.refuse(self.ends, "shutting_down")
         self.happen(Stop(source=self.ctx.name, received=self.ctx.clock(), reason=self.ends))
         self.report()
 
     def listen(self) -> None:
-        """Take in what arrived."""
+        """Process arrived messages."""
         estop = self.ctx.estop
         if estop.engaged != self._state.leases.estop or (estop.engaged and estop.by != self._pressed_by):
             self._pressed_by = estop.by
@@ -183,7 +184,7 @@ class LeasingCapability(Capability[S], Generic[S, L]):
     def wait_for(
         self, call: Call, whom: str, ask: Callable[[], PendingReply], timeout_s: float, then: Callable[[Answers], None]
     ) -> None:
-        """Have a command wait until others have answered; commands go on in the order they came."""
+        """Make a command wait for replies of others; waiting commands are decided in the order of their arrival."""
         if len(self._waiting) >= MOST_WAITING:
             call.refuse(f"too many commands wait for {whom}; send fewer", "busy")
             return
@@ -191,7 +192,7 @@ class LeasingCapability(Capability[S], Generic[S, L]):
         self.settle()
 
     def settle(self) -> None:
-        """Go on with commands whose questions are answered."""
+        """Continue with the commands whose replies have arrived."""
         while self._waiting:
             waiting = self._waiting[0]
             answers = waiting.asked.answers()
@@ -201,9 +202,9 @@ class LeasingCapability(Capability[S], Generic[S, L]):
             waiting.then(answers)
 
     def happen(self, event: object, call: Call | None = None) -> None:
-        """Have an event decided, and pass on what follows, setpoints before all that is told of them.
+        """Have the kernel decide an event, and send its outputs, setpoints before all reports.
 
-        `call` is the command that this answers.
+        `call` is the command to reply to.
         """
         self._state, outputs = self.decide(event, self.ctx.clock())
         live = self._state.leases.live
@@ -212,7 +213,7 @@ class LeasingCapability(Capability[S], Generic[S, L]):
             self.pass_on(output, call)
 
     def pass_on(self, output: Any, call: Call | None) -> None:
-        """Publish, tell or answer."""
+        """Publish an output, or reply."""
         match output:
             case Setpoint(message=message):
                 self.ctx.publish("setpoint", marked(message))
@@ -236,7 +237,7 @@ class LeasingCapability(Capability[S], Generic[S, L]):
             self.happen(self.driver_seen(newest))
 
     def _watch_holder(self) -> None:
-        """End the motion of a capability whose process is gone; of others only the lease tells."""
+        """End the motion of a capability whose process is gone; other holders are known only by their lease."""
         lease = self._state.leases.live
         holder = lease.source if lease is not None else ""
         alive = bool(holder) and self.ctx.alive(holder)
@@ -250,7 +251,7 @@ def _is_report(output: object) -> bool:
 
 
 def said_by(call: Call) -> dict[str, Any]:
-    """Return what a kernel needs of a call for a motion: whose it is, how old, and a fresh lease for it."""
+    """Return the kernel's fields of a motion from a call: its source, its age, and a fresh lease."""
     return {
         "source": call.source,
         "new_lease": secrets.token_hex(8),
@@ -264,18 +265,17 @@ def said_by(call: Call) -> dict[str, Any]:
 
 
 def marked(setpoint: Struct) -> Struct:
-    """Return a setpoint that tells leases apart by marks: many may hear it, and a lease is good for each that quotes
-    it."""
+    """Return a setpoint with a mark instead of its lease: setpoints are public, and whoever quotes a lease may use it."""
     lease = getattr(setpoint, "lease", "")
     return replace(setpoint, lease=mark(lease)) if lease else setpoint
 
 
 @lru_cache(maxsize=16)
 def mark(lease: str) -> str:
-    """Return what stands for a lease where it may be heard; nothing leads back from it."""
+    """Return the public mark of a lease, a one-way hash."""
     return hashlib.blake2b(lease.encode(errors="replace"), digest_size=8).hexdigest()
 
 
 def new_goal() -> str:
-    """Return a name for a goal."""
+    """Return a new name for a goal."""
     return f"goal-{secrets.token_hex(4)}"

@@ -10,7 +10,7 @@ WINDOW_S = 1.0
 
 
 class Beat:
-    """Says when a round of a fixed-rate loop is due, whatever else wakes the process; a period `after` the last one."""
+    """The schedule of a fixed-rate loop: its rounds are one period apart, whatever else wakes the process."""
 
     def __init__(self, rate_hz: float, after: float | None = None) -> None:
         self._period_s = 1.0 / rate_hz
@@ -37,7 +37,7 @@ class LoopMeter:
         self._periods_s: list[float] = []
 
     def round(self, now: float) -> LoopStatistics | None:
-        """Count a round; return the statistics of a window that is full."""
+        """Count a round; return the statistics when a window is complete."""
         if self._began is None:
             self._began = self._last = now
             return None

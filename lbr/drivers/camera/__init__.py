@@ -14,9 +14,9 @@ ControlName = Annotated[str, Meta(min_length=1, max_length=80)]
 
 
 class CameraSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Settings of a row of kind `camera`; its state has what the camera really does.
+    """Settings of a row of kind `camera`; its state reports the values that the camera really uses.
 
-    `controls`: the camera's own, named as in V4L2 (`v4l2-ctl --list-ctrls`) or libcamera; others stay.
+    `controls`: the camera's own, named as in V4L2 (`v4l2-ctl --list-ctrls`) or libcamera; all others stay unchanged.
     """
 
     device: Name

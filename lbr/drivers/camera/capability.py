@@ -1,6 +1,6 @@
-"""A camera as a capability: every picture goes out at once, and switched off the device is closed.
+"""A camera as a capability: it publishes every picture at once, and closes the device when switched off.
 
-Without a subscriber it rests. A program that asks for the newest picture now and then gets one of the last half second.
+Without a subscriber it rests. A program that sometimes asks for the newest picture gets one of the last half second.
 """
 
 from dataclasses import dataclass
@@ -19,17 +19,18 @@ from lbr.messages.leases import CommandReply
 
 STATE_PERIOD_S = 1.0
 OFF_S, ON_S = 0.6, 1.1
-"""So soon a switch is answered, whatever has come of it; both together before the asker gives up."""
+"""The time limits of the reply to `switch`, off and on, whatever the outcome; their sum is less than a caller's
+patience."""
 CLOSE_S = 0.3
 NEWEST_S = 1.0
 REST_AFTER_S = 2.0
 OPENING_S = 1.5
-"""The time that a device may take to open before that is a trouble."""
+"""The time that a device may take to open before that is reported."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Switching:
-    """A switch that waits for what comes of it; `was_on` is the wish that it replaced."""
+    """A pending switch; `was_on` is the previous position."""
 
     call: Call
     on: bool
@@ -38,9 +39,9 @@ class _Switching:
 
 
 class Camera(Capability[CameraSettings]):
-    """Publishes the newest picture. Its sight is up to `switch`, also while its device is away.
+    """Publishes the newest picture. `switch` turns it on and off, even while its device is away.
 
-    The device is opened in the capture's own thread, and again whenever it was lost.
+    The capture's own thread opens the device, and reopens it whenever it was lost.
     """
 
     rate_hz = 10.0
@@ -55,10 +56,10 @@ class Camera(Capability[CameraSettings]):
         self._fps: float | None = None
         self._state_at = self._counted_at = self._opened_at = self._watched_at = 0.0
         self._counted = 0
-        self._said = ("", False)
+        self._published_key = ("", False)
 
     def step(self) -> None:
-        """Publish what there is, and bring the device to where the switch wants it."""
+        """Publish the picture and state, and open or close the device as the switch requires."""
         self._follow_switch()
         self._follow_viewers()
         self._publish_picture()
@@ -115,7 +116,7 @@ class Camera(Capability[CameraSettings]):
             self._capture.rest(rests=now - self._watched_at > REST_AFTER_S)
 
     def _forget(self) -> None:
-        """Show no old picture of a camera that is off or away."""
+        """Withdraw the old picture of a camera that is off or away."""
         self._newest = None
         self.ctx.forget("frame")
 
@@ -175,10 +176,10 @@ class Camera(Capability[CameraSettings]):
             self._fps = round((self._frames - self._counted) / (now - self._counted_at), 1) or None
             self._counted, self._counted_at, self._state_at = self._frames, now, now + STATE_PERIOD_S
         state = self._state()
-        changed = (state.phase + state.reason, state.on) != self._said
+        changed = (state.phase + state.reason, state.on) != self._published_key
         if not (due or changed):
             return
-        self._said = (state.phase + state.reason, state.on)
+        self._published_key = (state.phase + state.reason, state.on)
         self.ctx.publish("state", state)
         if state.phase == "streaming":
             self.ctx.ready()

@@ -1,4 +1,4 @@
-"""Takes pictures in a thread of its own: opens the camera, keeps the newest picture, opens again when it was lost."""
+"""Takes pictures in a thread of its own: opens the camera, keeps the newest picture, reopens a lost camera."""
 
 import os
 import select
@@ -19,15 +19,15 @@ RETRY_FIRST_S = 0.2
 RETRY_MOST_S = 2.0
 STEADY_S = 5.0
 REST_FPS = 2.0
-"""As often a camera without a viewer gives a picture: a snapshot is never older than half a second."""
+"""The rate of pictures of a camera without a viewer: a snapshot is never older than half a second."""
 
 Phase = Literal["opening", "streaming", "lost"]
 
 
 class Capture:
-    """One camera's thread and its slot. `wake` is called on that thread when there is something new.
+    """The thread of one camera, and its newest picture. It calls `wake` when there is something new.
 
-    It gives up a camera that is silent for a second (2.5 pictures), and tries it again after 0.2 s, growing to 2 s.
+    It closes a camera that is silent for 1 s (or 2.5 pictures, if longer), and retries after 0.2 s, growing to 2 s.
     While it `rests`, only `REST_FPS` pictures a second are kept.
     """
 
@@ -48,35 +48,35 @@ class Capture:
         self._thread.start()
 
     def take(self) -> Picture | None:
-        """Return the newest picture, if it was not taken yet."""
+        """Return the newest picture, or None if it was already taken."""
         with suppress(IndexError):
             return self._slot.popleft()
         return None
 
     def stop(self) -> None:
-        """Ask the thread to close the camera; `ended` says when it has."""
+        """Ask the thread to close the camera; `ended` is true afterwards."""
         if not self._stopping:
             self._stopping = True
             os.eventfd_write(self._over, 1)
 
     def rest(self, *, rests: bool) -> None:
-        """Have few pictures come, or again as many as there were."""
+        """Reduce the rate of pictures, or restore it."""
         if rests != self._rests and not self._stopping:
             self._rests = rests
             os.eventfd_write(self._over, 1)
 
     @property
     def rests(self) -> bool:
-        """Return whether few pictures are wanted."""
+        """Return whether the rate is reduced."""
         return self._rests
 
     @property
     def stopping(self) -> bool:
-        """Return whether it was asked to end."""
+        """Return whether `stop` was called."""
         return self._stopping
 
     def join(self, timeout_s: float) -> None:
-        """Wait for the end, and close what is left."""
+        """Wait for the thread to end, then free its resources."""
         self._thread.join(timeout_s)
         if not self._thread.is_alive() and self._over >= 0:
             os.close(self._over)
@@ -125,8 +125,8 @@ class Capture:
             source.pace(self._pace())
 
     def _keep(self, pictures: list[Picture]) -> bool:
-        """Put the newest picture into the slot unless it is old, and say whether there was any."""
-        good = [found for picture in pictures if (found := usable(picture))]
+        """Keep the newest picture unless it is old; return whether there was a usable one."""
+        good = [whole for picture in pictures if (whole := usable(picture))]
         now = time.monotonic()
         if good and self._rests and self.phase == "streaming" and now - self._kept_at < 0.9 / REST_FPS:
             return True

@@ -1,6 +1,6 @@
 """A Raspberry Pi's own camera at `csi:N`, by picamera2 of Raspberry Pi OS.
 
-Written after its documentation and tried with a stand-in only, not with a camera.
+Written from its documentation and tested with a stand-in only, not with a camera.
 """
 
 import os
@@ -18,7 +18,7 @@ HELD = 2
 
 
 class CsiSource:
-    """A camera that records JPEG pictures into a slot of ours, from a thread of the library's."""
+    """A camera whose library thread delivers JPEG pictures."""
 
     def __init__(self, device: Device, settings: CameraSettings) -> None:
         library, transform = _library()
@@ -48,20 +48,20 @@ class CsiSource:
             ) from err
 
     def fileno(self) -> int:
-        """Return what is readable once a picture has come."""
+        """Return a descriptor that is readable once there is a picture."""
         return self._ready
 
     def take(self) -> list[Picture]:
-        """Return what has come."""
+        """Return the pictures received since the last call."""
         with suppress(BlockingIOError):
             os.eventfd_read(self._ready)
-        found = []
+        pictures = []
         while self._pictures:
-            found.append(self._pictures.popleft())
-        return found
+            pictures.append(self._pictures.popleft())
+        return pictures
 
     def pace(self, fps: float) -> None:
-        """Have the sensor take so many."""
+        """Set the sensor's rate."""
         with suppress(Exception):
             self._camera.set_controls({"FrameRate": fps})
 

@@ -1,4 +1,4 @@
-"""The contract of a camera and its capture: something to wait for, and pictures to take from it."""
+"""The contract of a camera: a descriptor to wait for, and pictures to take."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -10,23 +10,23 @@ from lbr.errors import DeviceError
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A JPEG file's bytes, and when it was taken, by the monotonic clock."""
+    """The bytes of a JPEG file, and the time it was taken, by the monotonic clock."""
 
     data: bytes
     taken_s: float
 
 
 class Source(Protocol):
-    """An open camera. Every failure is a DeviceError that names the device row and what to do."""
+    """An open camera. Every failure is a DeviceError that names the device row and the cure."""
 
     def fileno(self) -> int:
         """Return a descriptor that is readable while there is something to take."""
 
     def take(self) -> list[Picture]:
-        """Return the pictures that have come, oldest first, broken ones too; never waits."""
+        """Return the received pictures, oldest first, broken ones too; never waits."""
 
     def pace(self, fps: float) -> None:
-        """Have about so many pictures a second come, if the device can be told while it streams; never fails."""
+        """Set the approximate rate of pictures, if the device can change it while it streams; never fails."""
 
     def close(self) -> None:
         """Close the device; never fails."""
@@ -41,7 +41,7 @@ def check_controls(device: Device, wanted: dict[str, int | float], known: list[s
 
 
 def usable(picture: Picture) -> Picture | None:
-    """Return a picture without the zeros that some cameras append; None if it is not whole or too large to travel."""
+    """Return a picture without the zeros that some cameras append; None if it is incomplete or too large to send."""
     data = picture.data.rstrip(b"\0")
     if not pictures.is_whole(data) or len(data) > pictures.MOST_BYTES:
         return None

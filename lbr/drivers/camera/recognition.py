@@ -1,4 +1,4 @@
-"""Recognition of a camera: by the kernel's name of its video node; it is not opened, and may be in use."""
+"""Recognition of a camera by the kernel's name of its video node; the node is not opened, and may be in use."""
 
 from lbr.capability.recognition import NameHandshake, Seen
 

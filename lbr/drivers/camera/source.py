@@ -1,4 +1,4 @@
-"""Opens the camera that a device row names, by what its address is."""
+"""Opens the camera of a device row with the source for its address."""
 
 from lbr.capability.context import Device
 from lbr.drivers.camera import CameraSettings
@@ -7,7 +7,7 @@ from lbr.errors import DeviceError
 
 
 def open_source(device: Device, settings: CameraSettings) -> Source:
-    """Open the camera at a device row's address, with what its row sets; takes up to a second or so."""
+    """Open the camera of a device row with its settings; takes up to a second or so."""
     address = device.address
     if settings.rotation_deg and not address.startswith("csi:"):
         raise DeviceError(

@@ -15,7 +15,7 @@ from lbr.errors import DeviceError, MalformedError
 CONNECT_S = 1.0
 READ_BYTES = 1 << 18
 READS = 16
-"""At most this many at once, however fast the other end talks."""
+"""The most reads in one call, however fast the sender is."""
 
 
 class StreamSource:
@@ -38,11 +38,11 @@ class StreamSource:
             raise DeviceError(f"{self._says} does not answer ({_cause(err)}); start what sends its pictures") from err
 
     def fileno(self) -> int:
-        """Return the socket."""
+        """Return the socket's descriptor."""
         return self._socket.fileno()
 
     def take(self) -> list[Picture]:
-        """Return what has come."""
+        """Return the pictures received since the last call."""
         pictures: list[Picture] = []
         for _ in range(READS):
             data = self._read()
@@ -50,19 +50,18 @@ class StreamSource:
                 break
             if not data:
                 if pictures:
-                    break  # the next call finds the end again
+                    break  # the next call meets the end again
                 raise DeviceError(f"{self._says} went away; start what sends its pictures")
             pictures += self._parsed(data)
         return pictures
 
     def pace(self, fps: float) -> None:
-        """Ask for so many pictures a second; a line that cannot be sent now is one of a connection that is about to
-        end."""
+        """Request this rate of pictures; a failed send is ignored, because the connection is then about to end."""
         with suppress(OSError):
             self._socket.sendall(request(fps=fps))
 
     def close(self) -> None:
-        """Hang up."""
+        """Close the connection."""
         with suppress(OSError):
             self._socket.close()
 

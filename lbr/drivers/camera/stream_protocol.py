@@ -1,4 +1,4 @@
-"""Pictures on a stream socket: what is asked for in lines of JSON, what comes in records. Pure.
+"""Pictures on a stream socket: requests are lines of JSON, pictures are records. Pure.
 
 A record: u32 length of the JPEG, u64 CLOCK_MONOTONIC in ns when it was taken, both little endian, then the JPEG.
 """
@@ -11,7 +11,7 @@ from lbr.errors import MalformedError
 
 _HEADER = struct.Struct("<IQ")
 LARGEST_BYTES = 8 << 20
-"""A longer picture is refused: the two ends are out of step."""
+"""The limit for a picture: a longer one means that the two ends are out of step."""
 
 
 def request(**wanted: object) -> bytes:
@@ -20,13 +20,13 @@ def request(**wanted: object) -> bytes:
 
 
 class RecordParser:
-    """Bytes in pieces of any size become pictures; holds no more than one that is unfinished."""
+    """Turns bytes, in pieces of any size, into pictures; holds no more than one unfinished picture."""
 
     def __init__(self) -> None:
         self._held = bytearray()
 
     def feed(self, data: bytes) -> list[tuple[bytes, int]]:
-        """Return the pictures that these bytes complete, each with when it was taken in ns; raise MalformedError."""
+        """Return the pictures that these bytes complete, each with its time in ns; raise MalformedError."""
         self._held += data
         pictures = []
         while len(self._held) >= _HEADER.size:

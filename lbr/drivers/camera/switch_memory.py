@@ -1,5 +1,4 @@
-"""The last switch position of a camera, for as long as its robot runs: one that was switched off stays so if its
-process ends."""
+"""The last switch position of a camera, for as long as its robot runs: it outlives a restart of the camera's process."""
 
 import os
 from contextlib import suppress
@@ -7,7 +6,7 @@ from pathlib import Path
 
 
 def keep(home: str, robot: str, camera: str, *, on: bool) -> None:
-    """Write down how it was switched; what cannot be written is as if it had not been switched."""
+    """Store the switch position; a failure to write is ignored."""
     path = _path(home, robot, camera)
     with suppress(OSError):
         path.parent.mkdir(mode=0o700, exist_ok=True)
@@ -15,7 +14,7 @@ def keep(home: str, robot: str, camera: str, *, on: bool) -> None:
 
 
 def remembered(home: str, robot: str, camera: str, *, otherwise: bool) -> bool:
-    """Return how it was switched in this run of the robot, or what holds `otherwise`."""
+    """Return the stored switch position of this run of the robot, or `otherwise`."""
     try:
         run, _, wish = _path(home, robot, camera).read_text().strip().rpartition(" ")
     except (OSError, UnicodeDecodeError):
@@ -28,7 +27,7 @@ def _path(home: str, robot: str, camera: str) -> Path:
 
 
 def _run() -> str:
-    """Return what tells this run of the robot from others: its executive's pid and when that started."""
+    """Return the identity of this run of the robot: its executive's pid and start time."""
     executive = os.getppid()
     started = Path(f"/proc/{executive}/stat").read_text().rpartition(")")[2].split()[19]
     return f"{executive} {started}"

@@ -1,4 +1,4 @@
-"""A camera at /dev/videoN or /dev/v4l/by-id/NAME, by linuxpy: its MJPEG as it is, and of each buffer the bytes used."""
+"""A camera at /dev/videoN or /dev/v4l/by-id/NAME, by linuxpy: its MJPEG unchanged, cut to the bytes used."""
 
 import errno
 import os
@@ -17,7 +17,7 @@ from lbr.errors import DeviceError
 PIXEL_FORMAT = "MJPG"
 JPEG_FORMATS = {"MJPG", "JPEG"}
 MONOTONIC = 0x2000  # V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC
-BROKEN = 0x0040  # V4L2_BUF_FLAG_ERROR: the driver knows that the picture is not whole
+BROKEN = 0x0040  # V4L2_BUF_FLAG_ERROR: the driver marks the picture as incomplete
 BUFFERS = 2
 TRUSTED_AGE_S = 1.0
 
@@ -42,12 +42,12 @@ class V4l2Source:
             failed.pop_all()
 
     def fileno(self) -> int:
-        """Return the device."""
+        """Return the device's descriptor."""
         fileno: int = self._camera.fileno()
         return fileno
 
     def take(self) -> list[Picture]:
-        """Return what waits in the driver's buffers."""
+        """Return the pictures in the driver's buffers."""
         pictures: list[Picture] = []
         with self._telling("went away"):
             while len(pictures) <= BUFFERS and select.select([self.fileno()], [], [], 0)[0]:
@@ -59,13 +59,13 @@ class V4l2Source:
         return pictures
 
     def pace(self, fps: float) -> None:
-        """Change nothing: a device would have to be stopped for that, and its first picture would then come late."""
+        """Do nothing: the device would have to stop for that, and the next picture would be late."""
 
     def close(self) -> None:
         """Stop the stream and close the device."""
         capture, self._capture = self._capture, None
         if capture is not None:
-            with suppress(Exception):  # it is unplugged: what cannot be stopped any more does not stream
+            with suppress(Exception):  # unplugged: a stream that cannot be stopped is already over
                 capture.close()
         with suppress(Exception):
             self._camera.close()
@@ -77,10 +77,10 @@ class V4l2Source:
         if given not in JPEG_FORMATS:
             raise DeviceError(f"{self._says} sends {given} and no {PIXEL_FORMAT}: lbr passes JPEG on and encodes none")
         capture.set_fps(settings.fps)
-        self._camera.controls.set_clipping(False)  # a value out of bounds is refused, not bent
+        self._camera.controls.set_clipping(False)  # a value out of bounds is refused, not clipped
         controls = {control.config_name: control for control in self._camera.controls.values()}
         check_controls(self._row, settings.controls, list(controls))
-        for name, value in settings.controls.items():  # in the row's order: manual exposure comes before its time
+        for name, value in settings.controls.items():  # in the row's order: manual exposure before its time
             try:
                 controls[name].value = int(value)
             except (AttributeError, ValueError, OSError) as err:

@@ -1,6 +1,6 @@
 """A bus of Dynamixel AX-12A servos, protocol 1.0: its kind and its settings.
 
-The bus is of use without a robot, too:
+The bus also works without a robot:
 
     from lbr.drivers.dynamixel import table
     from lbr.drivers.dynamixel.bus import open_bus
@@ -13,8 +13,8 @@ The bus is of use without a robot, too:
         bus.put(1, table.LED, 1)
         bus.write_all(table.GOAL_POSITION.address, {servo: (512).to_bytes(2, "little") for servo in servos})
 
-`packet` is the codec alone, `table` the control table, `lbr.drivers.servos.bus_thread` a thread that lets many share a
-bus. See docs/servo_lines.md.
+`packet` is the codec, `table` the control table. With `lbr.drivers.servos.bus_thread` several threads share a bus. See
+docs/servo_lines.md.
 """
 
 from typing import Annotated, Literal
@@ -45,7 +45,7 @@ class DynamixelSettings(RegisterServosSettings, frozen=True, kw_only=True, forbi
     )
 
     def __post_init__(self) -> None:
-        """Refuse what would take a servo its protection."""
+        """Refuse settings that would remove a servo's protection."""
         if not {"overload", "overheat"} <= set(self.alarms):
             raise ValueError("alarms must hold `overload` and `overheat`: they are what protects a servo")
         if self.lowest_v >= self.highest_v:

@@ -25,7 +25,7 @@ from lbr.drivers.servos.protocol1.question import Question
 ADAPTER_MODEL = 0x4201
 ADAPTER_SERVOS = 30
 ADAPTER_SILENCE_S = 0.0012
-"""The wait of a USB2AX for each servo that does not answer."""
+"""The time that a USB2AX waits for each servo that does not answer."""
 _MOTION = Struct("<4xB3Hx")
 _MOTION_DATA = Struct("<3H")
 _PADDING = b"\xff" * MOTION_BYTES
@@ -44,7 +44,7 @@ _STATE_REGISTERS = (
 
 
 class Bus(ProtocolBus):
-    """A bus of AX-12A; `adapter` is the firmware of its USB2AX, None: none. See `ProtocolBus`."""
+    """A bus of AX-12A; `adapter` is the firmware version of its USB2AX, or None. See `ProtocolBus`."""
 
     refusals = error_mask("angle_limit", "range", "instruction", "checksum")
     together_errors = False
@@ -80,7 +80,7 @@ class Bus(ProtocolBus):
         return motion if motion.position <= POSITION_STEPS else None
 
     def read_motions(self, servos: Sequence[int]) -> list[Motion | None]:
-        """Return position, speed and load of each; by one request where the adapter can do that."""
+        """Return position, speed and load of each servo, with one request where the adapter supports it."""
         if self.adapter is None:
             return [self.read_motion(servo) for servo in servos]
         motions: list[Motion | None] = []
@@ -90,7 +90,7 @@ class Bus(ProtocolBus):
         return motions
 
     def read_together(self, servos: tuple[int, ...]) -> list[Motion | None] | None:
-        """Return the same by the adapter's sync read, without error bits; None if the adapter did not answer."""
+        """Return the motions by the adapter's sync read, without error bits; None if the adapter did not answer."""
         question = self._together.get(servos)
         if question is None:
             request = adapter_sync_read(MOTION_ADDRESS, MOTION_BYTES, servos)
@@ -112,7 +112,7 @@ class Bus(ProtocolBus):
         return self.adapter is not None
 
     def read_state(self, servo: int, patience_s: float) -> tuple[Motion | None, SlowState] | None:
-        """Return motion, torque, goal, limit and supply of one servo, asked once; None: see `trouble`."""
+        """Return motion, torque, goal, limit and supply of one servo, read once; None if it fails, see `trouble`."""
         status = self.read(servo, STATE_ADDRESS, STATE_BYTES, tries=1, patience_s=patience_s)
         if status is None:
             return None
@@ -145,11 +145,11 @@ class Bus(ProtocolBus):
         self.write_each(table.TORQUE_LIMIT, limits)
 
     def torque_off(self, servos: Collection[int]) -> None:
-        """Take the torque off all of them at the same time."""
+        """Switch the torque of all of them off at the same time."""
         self.write_each(table.TORQUE_ENABLE, dict.fromkeys(servos, 0))
 
     def torque_on(self, servo: int, speed: int, limit: int) -> int | str:
-        """Give a servo torque where it is, and return that position, or why not."""
+        """Switch a servo's torque on where it stands; return that position, or the reason for a failure."""
         motion = self.read_motion(servo)
         if motion is None:
             return self.trouble
@@ -162,7 +162,7 @@ class Bus(ProtocolBus):
         return motion.position
 
     def find_adapter(self) -> int | None:
-        """Ask whether the adapter is a USB2AX, and return its firmware's version; its own sync read is used then."""
+        """Check whether the adapter is a USB2AX, whose sync read is then used; return its firmware version."""
         answer = self.read(ADAPTER, 0, 4)
         known = answer is not None and MODEL_NUMBER.decode(answer.params) == ADAPTER_MODEL
         self.adapter = answer.params[2] if answer is not None and known else None

@@ -1,4 +1,4 @@
-"""A bus of AX-12A as the capability that drives servos whose registers can be read back."""
+"""A bus of AX-12A as a capability, on the common driver of servos whose registers can be read back."""
 
 from collections.abc import Callable
 
@@ -16,14 +16,14 @@ from lbr.drivers.servos.registers import RegisterServos
 
 RELEASE = "lbr.drivers.dynamixel.guard_release"
 ASKED = 3
-"""The pace at which an adapter is asked whether it is a USB2AX; most are not, and do not answer."""
+"""The number of times that the bus is searched for a USB2AX; most adapters are others, and do not answer."""
 
 
 class Dynamixel(RegisterServos[DynamixelSettings, Bus]):
     """AX-12A servos, plain or by a USB2AX."""
 
     def connect(self, device: Device, urgent: Callable[[], bool]) -> ServoLink[Bus]:
-        """Open the line; servos are set up as they are found."""
+        """Open the line; each servo is set up when it is found."""
         settings, clock = self.ctx.settings, self.ctx.clock
         line = open_servo_line(device, settings.baud, settings.reply_margin_s)
         setup = Setup(_wanted(settings), self.tell)
@@ -48,7 +48,7 @@ class Dynamixel(RegisterServos[DynamixelSettings, Bus]):
 
 
 def _wanted(settings: DynamixelSettings) -> list[tuple[Register, int]]:
-    """Return what servos are to keep without power. Temperature limits stay as they are."""
+    """Return the EEPROM values that servos should have; temperature limits are left unchanged."""
     if not settings.write_eeprom:
         return []
     alarms = error_mask(*settings.alarms)

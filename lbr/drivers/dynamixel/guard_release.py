@@ -1,5 +1,5 @@
-"""The guard's program for a bus of AX-12A; run as `lbr.drivers.servos.guard_release` says, with baud and margin at the
-end."""
+"""The guard's program for a bus of AX-12A; for its arguments, ended by baud and margin, see
+`lbr.drivers.servos.guard_release`."""
 
 import sys
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from lbr.drivers.servos.register_release import RegisterRelease
 
 
 def released(line: int, servos: list[int], words: Sequence[str]) -> RegisterRelease:
-    """Return what the servos are told on a line with this baud and margin."""
+    """Return the release for the servos on a line with this baud and margin."""
     baud, margin_s = words
     return RegisterRelease(Bus(ServoLine(line, "of the servos", int(baud), margin_s=float(margin_s))), Ax12(), servos)
 

@@ -1,4 +1,4 @@
-"""The meaning of the numbers of AX-12A servos, and of a latched fault: the servo writes 0 to its own torque limit."""
+"""The units of AX-12A servos, and how they latch a fault: the servo sets its own torque limit to 0."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -7,14 +7,14 @@ from lbr.drivers.dynamixel import table
 from lbr.drivers.dynamixel.packet import error_names
 from lbr.drivers.servos.contract import Seen
 
-if TYPE_CHECKING:  # a guard's program imports this, and sets nothing up
+if TYPE_CHECKING:  # a guard's program imports this, and does no setup
     from lbr.drivers.dynamixel.setup import Kept
 
 ALL_BITS = 0x7F
 
 
 class Ax12:
-    """See `lbr.drivers.servos.contract.ServoModel`; `kept` tells of a servo what it keeps without power."""
+    """The model for `lbr.drivers.servos.contract.ServoModel`; `kept` returns a servo's EEPROM values."""
 
     full_torque = table.FULL_TORQUE
     position_raw = staticmethod(table.position_raw)
@@ -28,7 +28,7 @@ class Ax12:
         self._kept = kept
 
     def most_torque(self, servo: int) -> int:
-        """Return the highest torque limit that this servo may get."""
+        """Return the highest torque limit that this servo may have."""
         kept = self._kept(servo)
         return kept.max_torque if kept else table.FULL_TORQUE
 

@@ -1,5 +1,4 @@
-"""The part of protocol 1.0 that is Dynamixel's own: the names of error bits, and the packet by which a USB2AX reads
-several servos.
+"""Dynamixel's own part of protocol 1.0: the names of error bits, and a USB2AX's packet that reads several servos.
 
 Source: ROBOTIS e-manual, protocol 1.0; USB2AX firmware v04 and v05.
 """
@@ -9,14 +8,14 @@ from collections.abc import Iterable
 from lbr.drivers.servos.protocol1 import packet
 
 ADAPTER = packet.HIGHEST_ANSWERING
-"""The id by which a USB2AX answers for itself."""
+"""The id of a USB2AX itself."""
 ADAPTER_SYNC_READ = 0x84
 ERRORS = ("voltage", "angle_limit", "overheat", "range", "checksum", "overload", "instruction")
 """Names of the bits in a status packet's error byte, from the lowest."""
 
 
 def adapter_sync_read(address: int, count: int, servos: Iterable[int]) -> bytes:
-    """Return the USB2AX's own READ of the same bytes of several servos; silent ones are filled with FF."""
+    """Return the USB2AX's own READ of the same bytes of several servos; it fills in FF for silent ones."""
     return packet.instruction(ADAPTER, ADAPTER_SYNC_READ, bytes((address, count, *servos)))
 
 

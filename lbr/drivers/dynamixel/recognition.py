@@ -1,4 +1,4 @@
-"""Recognition of a bus of AX-12A: ids 1 to 20 are asked for their model number, which is read and never written."""
+"""Recognition of a bus of AX-12A: ids 1 to 20 are asked for their model number, a read-only register."""
 
 from lbr.capability.recognition import Seen, SerialHandshake
 from lbr.drivers.servos.protocol1 import packet
@@ -9,7 +9,7 @@ MODELS = {12: "AX-12", 18: "AX-18", 300: "AX-12W"}
 
 
 def seen(answer: bytes) -> Seen | None:
-    """Return the servos that told a model number of this family."""
+    """Return the servos whose model number belongs to this family."""
     numbers = {
         one.id: int.from_bytes(one.params, "little")
         for one in packet.StatusParser().feed(answer)

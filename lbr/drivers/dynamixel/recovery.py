@@ -1,4 +1,4 @@
-"""Taking a servo out of a fault that it has latched: only where the cause is gone, and it stays without torque."""
+"""Recovery of a servo from a latched fault: only when its cause is gone; the servo stays without torque."""
 
 from collections.abc import Callable
 
@@ -8,11 +8,11 @@ from lbr.drivers.dynamixel.packet import error_names
 from lbr.drivers.dynamixel.setup import Kept
 
 COOLER_C = 5
-"""So far below its limit a servo must be before it is believed to have cooled down."""
+"""The margin below its limit at which a servo counts as cooled down."""
 
 
 def recovery(servo: int, eeprom: Kept) -> Callable[[Bus], str]:
-    """Return the job that recovers a servo, and returns why it did not; nothing if it did."""
+    """Return the job that recovers a servo; the job returns the reason for a failure, or an empty string."""
 
     def job(bus: Bus) -> str:
         status = bus.read(servo, STATE_ADDRESS, STATE_BYTES)
@@ -30,7 +30,7 @@ def recovery(servo: int, eeprom: Kept) -> Callable[[Bus], str]:
 
 
 def _cause(error: int, block: bytes, eeprom: Kept) -> str:
-    """Return what is still wrong. An overload shows only under torque; its bit stays until the torque limit is set."""
+    """Return the fault that persists. An overload shows only under torque; its bit stays until the torque limit is set."""
     names = set(error_names(error & eeprom.shutdown))
     temperature = table.PRESENT_TEMPERATURE.decode(block, STATE_ADDRESS)
     tenths = table.PRESENT_VOLTAGE.decode(block, STATE_ADDRESS)

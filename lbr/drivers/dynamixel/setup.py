@@ -1,4 +1,4 @@
-"""Getting to know a servo before it is used, without moving it: who it is, and what it keeps without power."""
+"""Check and setup of a servo before its use, without motion: its identity and its EEPROM."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ BAUDS = (1_000_000, 500_000, 400_000, 250_000, 200_000, 115_200, 57_600, 19_200,
 
 @dataclass(frozen=True, slots=True)
 class Kept:
-    """The registers of a servo's EEPROM that the driver relies on."""
+    """The EEPROM registers of a servo on which the driver relies."""
 
     firmware: int
     max_torque: int
@@ -30,10 +30,10 @@ class Kept:
 
 
 class Setup:
-    """Checks a servo and gives its EEPROM the wanted values: only where they differ, without torque, and read back.
+    """Checks a servo and writes the wanted values to its EEPROM: only where they differ, without torque, with a check.
 
-    One value at a time: the servo `is being set up` until it was asked again, without a wait meanwhile.
-    `done` are the servos that were, and what each was given.
+    It writes one value at a call: the servo `is being set up` until the next call, with no wait between. `done` lists
+    the servos that were set up, with the values written.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class Setup:
         self._warned: dict[int, str] = {}
 
     def prepare(self, bus: Bus, servo: int) -> str:
-        """Say what keeps a servo from being used now, or nothing; to be asked again later."""
+        """Return why a servo cannot be used now, or an empty string; then call it again later."""
         strays = bus.strays[servo]
         block = self._eeprom(bus, servo)
         if block is None:
@@ -69,7 +69,7 @@ class Setup:
         status = bus.read(servo, 0, EEPROM_BYTES, tries=1)
         if status is not None or bus.lost != "silent" or bus.cut_short:
             return None if status is None else status.params
-        if servo not in self.kept and bus.ping(servo, tries=1) is not None:  # it answers nothing else: teach it
+        if servo not in self.kept and bus.ping(servo, tries=1) is not None:  # set its return level
             bus.write(servo, table.RETURN_LEVEL.address, table.RETURN_LEVEL.encode(2), tries=1)
             bus.trouble, bus.lost = SETTING_UP, ""
         return None
@@ -95,7 +95,7 @@ class Setup:
         return ""
 
     def _write(self, bus: Bus, servo: int, block: bytes) -> bool:
-        """Write the next value that differs and say so; the servo is deaf for a while then."""
+        """Write the next value that differs, and publish it; the servo does not answer for a while then."""
         written = self._written.setdefault(servo, {})
         different = [(register, value) for register, value in self._wanted if register.decode(block) != value]
         names = ", ".join(f"{register.name} ({register.decode(block)}, not {value})" for register, value in different)
@@ -116,14 +116,14 @@ class Setup:
         return False
 
     def _warn(self, servo: int, wrong: str) -> None:
-        """Tell it once, not at each look."""
+        """Publish a warning once, not at each check."""
         if self._warned.get(servo) != wrong:
             self._warned[servo] = wrong
             self._tell("servo_wrong", f"servo {servo} {wrong}", "warning")
 
 
 class SetupNews:
-    """Tells what servos were given to keep, in one sentence for each set of values once there are no more of them."""
+    """Publishes the EEPROM values that servos were given, one sentence for each set of values, once no more follow."""
 
     def __init__(self, setup: Setup, clock: Callable[[], float], tell: Callable[[str, str, str], None]) -> None:
         self._setup = setup
@@ -133,7 +133,7 @@ class SetupNews:
         self._done_at = -inf
 
     def step(self) -> None:
-        """Look whether there is something to tell; in the loop's thread."""
+        """Publish the pending sentences, if any; runs in the loop's thread."""
         done, now = self._setup.done, self._clock()
         if len(done) > self._done:
             self._done, self._done_at = len(done), now
@@ -148,14 +148,14 @@ class SetupNews:
 def find_servos(
     path: str, bauds: Sequence[int] = BAUDS, servos: Sequence[int] = range(253)
 ) -> Iterator[tuple[int, int]]:
-    """Look for servos at every usual speed; yields baud and id. Takes some seconds a baud: only on request."""
+    """Search for servos at every usual speed; yield baud and id. Takes some seconds a baud, so only on request."""
     for baud in bauds:
         try:
             with open_bus(path, baud=baud, margin_s=0.005, retries=0) as bus:
                 yield from ((baud, servo) for servo in bus.scan(servos))
         except DeviceError:
             if baud == bauds[0]:
-                raise  # not a matter of its speed
+                raise  # not a question of speed
 
 
 def _eeprom_of(block: bytes) -> Kept:

@@ -1,6 +1,6 @@
-"""The AX-12A's control table, and what its numbers mean in SI units. No I/O.
+"""The AX-12A's control table, and its numbers in SI units. No I/O.
 
-Source: ROBOTIS e-manual of the AX-12A; ranges of what is written: AX-12 manual of 2006.
+Source: ROBOTIS e-manual of the AX-12A; ranges of written values: AX-12 manual of 2006.
 """
 
 from math import isfinite, radians
@@ -17,11 +17,11 @@ RPS_PER_STEP = 0.011624
 MAX_SPEED = 1023
 FULL_TORQUE = 1023
 SIGN_BIT = 10
-"""Of speed and load: clockwise."""
+"""The sign bit of speed and load: clockwise."""
 
 
 RAM = 24
-"""From here on; before is what a servo keeps without power, written only without torque and with a pause."""
+"""The first address of RAM. Below it is EEPROM, which is written only without torque and with a pause."""
 MODEL_NUMBER = Register("model number", 0, 2, None, 0xFFFF, "")
 FIRMWARE = Register("firmware version", 2, 1, None, 0xFF, "")
 ID = Register("id", 3, 1, 0, 252, "")
@@ -60,7 +60,7 @@ REGISTERS = tuple(value for value in tuple(globals().values()) if isinstance(val
 
 
 class Motion(NamedTuple):
-    """Position, speed and load as one READ of 36..41 gives them, raw, and the error bits that came with them."""
+    """Position, speed and load as one READ of 36..41 returns them, raw, with the error bits of its answer."""
 
     error: int
     position: int
@@ -79,21 +79,20 @@ class Motion(NamedTuple):
 
     @property
     def load_fraction(self) -> float:
-        """Fraction of the most, CCW positive; the servo infers it."""
+        """Fraction of the maximum, CCW positive; the servo infers it."""
         return signed(self.load) / FULL_TORQUE
 
 
 MOTION_BYTES = 6
 MOTION_ADDRESS = PRESENT_POSITION.address
 SAG = 10
-"""The rest below its goal that a servo may have under its load, in counts (2.9 degrees). Chosen, not measured on a real
-robot; with the factory's compliance slope of 32 counts a servo gives way by up to 9.4 degrees before it pushes with all
-it has."""
+"""The distance below its goal at which a servo may rest under load, in counts (2.9 degrees). Chosen, not measured on a
+real robot. With the factory's compliance slope of 32 counts a servo yields by up to 9.4 degrees at full effort."""
 
 
 def holding_goal(position: int, speed: int, goal: int) -> int:
-    """Return the goal that holds a servo where it is, all raw: its own while it rests near that, or it would sag
-    again."""
+    """Return the raw goal that holds a servo where it is: near its goal that goal itself, or the servo would sag
+    further."""
     return goal if signed(speed) == 0 and abs(goal - position) <= SAG else position
 
 
@@ -103,15 +102,14 @@ def position_rad(raw: int) -> float:
 
 
 def position_raw(angle_rad: float) -> int:
-    """Return the position nearest to an angle, within what the servo can reach; a ValueError for what is not a
-    number."""
+    """Return the position nearest to an angle, within the servo's range; raise ValueError if the angle is not finite."""
     if not isfinite(angle_rad):
         raise ValueError(f"an angle of {angle_rad} rad is not a position")
     return max(0, min(POSITION_STEPS, CENTRE + round(_bounded(angle_rad) / RAD_PER_STEP)))
 
 
 def speed_raw(speed_rps: float | None) -> int:
-    """Return the moving speed; None is as fast as it goes, which the servo calls 0, so slow is 1 at least."""
+    """Return the raw moving speed; None means full speed, which the servo encodes as 0, so a slow speed is at least 1."""
     if speed_rps is None:
         return 0
     if not isfinite(speed_rps) or speed_rps <= 0.0:
@@ -120,17 +118,17 @@ def speed_raw(speed_rps: float | None) -> int:
 
 
 def torque_raw(fraction: float) -> int:
-    """Return the torque limit of a fraction; what is not off is 1 at least, what is not a number is off."""
+    """Return the raw torque limit for a fraction: at least 1 if it is positive, 0 if it is not a number."""
     if not 0.0 < fraction <= 1.0:
         return FULL_TORQUE if fraction > 1.0 else 0
     return max(1, round(fraction * FULL_TORQUE))
 
 
 def _bounded(value: float) -> float:
-    """Beyond anything a servo does there is no need to compute."""
+    """Limit a value to a range beyond anything that a servo does, so that rounding cannot overflow."""
     return max(-100.0, min(100.0, value))
 
 
 def signed(raw: int) -> int:
-    """Return speed or load with its sign: bit 10 set is clockwise, which is negative."""
+    """Return speed or load with its sign: bit 10 means clockwise, which is negative."""
     return sign_magnitude(raw, SIGN_BIT)

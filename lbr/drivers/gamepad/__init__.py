@@ -1,4 +1,4 @@
-"""Gamepads of the kernel's, by cable or radio: their kind and their settings."""
+"""Gamepads of the kernel, by cable or radio: their kind and their settings."""
 
 from msgspec import Struct
 
@@ -8,7 +8,7 @@ from lbr.messages.units import Name
 
 
 class GamepadSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Settings of a row of kind `gamepad`; its device's address is a path, or `input:` and its address or name."""
+    """Settings of a row of kind `gamepad`; its device's address is a path, or `input:` with its radio address or name."""
 
     device: Name
 

@@ -1,4 +1,4 @@
-"""The gamepad as a capability: what is held on it, told at each change and for as long as anything is held."""
+"""The gamepad as a capability: it publishes sticks and buttons at each change, and often while anything is held."""
 
 from math import inf
 
@@ -15,7 +15,7 @@ AT_REST = Held({}, ())
 
 
 class Gamepad(Capability[GamepadSettings]):
-    """Publishes each press and release, however short; of sticks what they are at now, fifty times a second at most."""
+    """Publishes each press and release, however short, and the newest position of sticks, at most fifty times a second."""
 
     rate_hz = REST_HZ
 
@@ -27,12 +27,12 @@ class Gamepad(Capability[GamepadSettings]):
         self._published_at = -inf
 
     def open(self) -> None:
-        """Open the gamepad; it is read by nobody else from now on."""
+        """Open the gamepad; other programs receive nothing from it meanwhile."""
         self._receiver = Receiver(self.device_row)
         self._held, self._spoke_at, self._published_at = self._receiver.held(), None, -inf
 
     def step(self) -> None:
-        """Read what has come, and tell it."""
+        """Read the gamepad, and publish its state."""
         receiver = self._receiver
         assert receiver is not None
         packets = receiver.poll()
@@ -49,11 +49,11 @@ class Gamepad(Capability[GamepadSettings]):
             self._publish(receiver, now)
 
     def degraded(self, reason: str) -> None:
-        """Say that there is no gamepad: what was held is not."""
+        """Publish that there is no gamepad, so nothing is held."""
         self.ctx.publish("state", GamepadState(connected=False, reason=reason))
 
     def close(self) -> None:
-        """Let others have it."""
+        """Release the gamepad to other programs."""
         receiver, self._receiver = self._receiver, None
         if receiver is not None:
             receiver.close()

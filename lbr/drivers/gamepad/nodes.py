@@ -1,4 +1,4 @@
-"""Which of the kernel's input devices are gamepads, and where: by /sys/class/input, without opening any."""
+"""The gamepads among the kernel's input devices, and their nodes: from /sys/class/input, without opening any."""
 
 import re
 import struct
@@ -8,14 +8,14 @@ from msgspec import Struct
 
 SYS = Path("/sys/class/input")
 ANYWHERE = "input:"
-"""The beginning of an address that finds a gamepad by its radio address, or else its name, not by its place."""
+"""The prefix of an address that names a gamepad by its radio address or its name, not by its node."""
 _WORD_BITS = 8 * struct.calcsize("l")
 _JOYSTICK, _GAMEPAD = 0x120, 0x130
 _ABS_X, _ABS_Y = 0, 1
 
 
 class Node(Struct, frozen=True, kw_only=True):
-    """A gamepad: the name of its node, its own name, and the address of its radio, if it tells one."""
+    """A gamepad: the name of its node, its own name, and its radio address, if it has one."""
 
     node: str
     name: str
@@ -23,12 +23,12 @@ class Node(Struct, frozen=True, kw_only=True):
 
     @property
     def address(self) -> str:
-        """Return by what a device row finds it again."""
+        """Return the address for a device row."""
         return ANYWHERE + (self.radio or self.name)
 
 
 def gamepads(sys: Path = SYS) -> list[Node]:
-    """Return all gamepads that there are now: what has a stick, and the buttons of a gamepad or a joystick."""
+    """Return all present gamepads: devices with a stick, and the buttons of a gamepad or a joystick."""
     return [
         Node(node=one.name, name=_read(one / "device/name"), radio=_read(one / "device/uniq"))
         for one in sorted(sys.glob("event*"), key=lambda one: int(re.sub(r"\D", "", one.name) or 0))
@@ -37,12 +37,12 @@ def gamepads(sys: Path = SYS) -> list[Node]:
 
 
 def path_of(address: str, sys: Path = SYS) -> str:
-    """Return the node of an address; empty if what it names is not there."""
+    """Return the node of an address; empty if it is not present."""
     if not address.startswith(ANYWHERE):
         return address
     wanted = address.removeprefix(ANYWHERE).strip().lower()
-    found = (one.node for one in gamepads(sys) if wanted and wanted in {one.radio.lower(), one.name.lower()})
-    return next((f"/dev/input/{node}" for node in found), "")
+    nodes = (one.node for one in gamepads(sys) if wanted and wanted in {one.radio.lower(), one.name.lower()})
+    return next((f"/dev/input/{node}" for node in nodes), "")
 
 
 def _is_gamepad(capabilities: Path) -> bool:
@@ -52,7 +52,7 @@ def _is_gamepad(capabilities: Path) -> bool:
 
 
 def _bits(file: Path) -> int:
-    """Return a bitmap of the kernel's: words of a `long` in hexadecimal, the highest first."""
+    """Return a bitmap of the kernel: hexadecimal words of a `long`, the highest first."""
     bits = 0
     for word in _read(file).split():
         try:

@@ -1,5 +1,4 @@
-"""The state of a gamepad from its events: Linux's gamepad specification, and the habits of pads that keep less of it.
-Pure."""
+"""The state of a gamepad from its events, by Linux's gamepad specification and the habits of pads that deviate. Pure."""
 
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
@@ -18,10 +17,10 @@ BUTTONS: Mapping[int, Button] = {
 X, Y, Z, RX, RY, RZ, GAS, BRAKE = 0x00, 0x01, 0x02, 0x03, 0x04, 0x05, 0x09, 0x0A
 HAT0X, HAT0Y, HAT2X, HAT2Y = 0x10, 0x11, 0x14, 0x15
 AXES = (X, Y, Z, RX, RY, RZ, GAS, BRAKE, HAT0X, HAT0Y, HAT2X, HAT2Y)
-"""Codes of all axes that may mean something."""
+"""Codes of all axes that may have a meaning."""
 _TRIGGERS = frozenset[Axis]({"left_trigger", "right_trigger"})
 _UP = frozenset[Axis]({"left_y", "right_y", "dpad_y"})
-"""The kernel's y grows downwards, ours upwards."""
+"""The axes whose kernel value grows downwards, ours upwards."""
 _OF_HAT: Mapping[Axis, tuple[Button, Button]] = {
     "dpad_x": ("dpad_left", "dpad_right"),
     "dpad_y": ("dpad_down", "dpad_up"),
@@ -29,7 +28,7 @@ _OF_HAT: Mapping[Axis, tuple[Button, Button]] = {
 
 
 class Span(NamedTuple):
-    """The values of an axis: the least, the most, and how far from its rest still counts as rest."""
+    """The range of an axis: the least value, the most, and the distance from rest that still counts as rest."""
 
     least: int
     most: int
@@ -41,11 +40,11 @@ STANDARD: Mapping[int, Span] = {
     **dict.fromkeys((Z, RZ), Span(0, 255)),
     **dict.fromkeys((HAT0X, HAT0Y), Span(-1, 1)),
 }
-"""A pad as most are, for one that does not tell its axes."""
+"""The axes of a usual pad, for one that does not report its own."""
 
 
 def named(codes: Iterable[int]) -> dict[int, Axis]:
-    """Return what the axes of a pad mean: without RX and RY, Z and RZ are its right stick and no triggers."""
+    """Return the meaning of a pad's axes: without RX and RY, its right stick is Z and RZ, and it has no triggers."""
     axes: dict[int, Axis] = {X: "left_x", Y: "left_y", HAT0X: "dpad_x", HAT0Y: "dpad_y"}
     axes |= {HAT2X: "right_trigger", HAT2Y: "left_trigger", GAS: "right_trigger", BRAKE: "left_trigger"}
     present = set(codes)
@@ -57,7 +56,7 @@ def named(codes: Iterable[int]) -> dict[int, Axis]:
 
 
 def way(value: int, span: Span, axis: Axis) -> float:
-    """Return how far an axis is pushed: -1 to 1 to the right and up, a trigger 0 to 1; 0 for one of no extent."""
+    """Return the deflection of an axis: -1 to 1 to the right and up, a trigger 0 to 1; 0 for an axis without range."""
     extent = span.most - span.least
     if extent <= 0:
         return 0.0
@@ -78,8 +77,7 @@ class Held(NamedTuple):
 
 
 class Pad:
-    """Follows a gamepad. After events were dropped by the kernel it is `unknown` what is held, until that is told
-    anew."""
+    """Follows a gamepad. After the kernel has dropped events its state is `unknown`, until `tell` sets it."""
 
     def __init__(self, spans: Mapping[int, Span] = STANDARD) -> None:
         self.unknown = False
@@ -90,13 +88,13 @@ class Pad:
         self._pressed: set[int] = set()
 
     def tell(self, values: Mapping[int, int], pressed: Iterable[int]) -> None:
-        """Take what the kernel says is held now: the values of axes, the codes of buttons."""
+        """Set the current state as the kernel reports it: the values of axes, the codes of held buttons."""
         self.unknown = False
         self._values = {code: value for code, value in values.items() if code in self._axes}
         self._pressed = {code for code in pressed if code in BUTTONS}
 
     def feed(self, events: Iterable[InputEvent]) -> list[Held]:
-        """Return what was held at the end of each packet; nothing counts from a hole on to the end of that packet."""
+        """Return the state at the end of each packet; after a gap, events up to the end of that packet are ignored."""
         states = []
         for event in events:
             if (event.type, event.code) == (EV_SYN, SYN_DROPPED):
@@ -112,8 +110,7 @@ class Pad:
         return states
 
     def held(self) -> Held:
-        """Return what is held; an axis that has not said a value yet is at rest. Of two that mean one, the farther
-        counts."""
+        """Return the state: an axis without a value is at rest, and of two with one meaning the more deflected counts."""
         axes: dict[Axis, float] = dict.fromkeys(self._axes.values(), 0.0)
         for code, value in self._values.items():
             axis = self._axes[code]

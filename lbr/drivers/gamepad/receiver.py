@@ -1,4 +1,4 @@
-"""A gamepad as an open file: an input event device of the kernel's, or an emulated one that sends the same records."""
+"""A gamepad as an open file: an input event device of the kernel, or an emulated one that sends the same records."""
 
 import struct
 from contextlib import ExitStack
@@ -18,7 +18,7 @@ _LINKS: dict[int, Link] = {0x03: "usb", 0x05: "bluetooth"}
 
 
 def _reads(number: int, size: int) -> int:
-    """Return the request that reads so many bytes from an input device (EVIOCG…)."""
+    """Return the request that reads `size` bytes from an input device (EVIOCG…)."""
     return 2 << 30 | size << 16 | ord("E") << 8 | number
 
 
@@ -33,7 +33,7 @@ def _eviocgabs(code: int) -> int:
 
 
 class Receiver:
-    """An open gamepad, which no other program reads meanwhile. Raises a DeviceError that says what to do."""
+    """An open gamepad, which no other program reads meanwhile. Raises a DeviceError with the cure."""
 
     def __init__(self, device: Device) -> None:
         if not device.address.startswith(("/", ANYWHERE)):
@@ -53,10 +53,10 @@ class Receiver:
             failed.pop_all()
 
     def poll(self) -> list[Held]:
-        """Return what was held at the end of each packet that has come in since the last call."""
+        """Return the state at the end of each packet received since the last call."""
         whole = self._node.passed_over
         states = self._pad.feed(self._node.poll())
-        if self._node.passed_over > whole:  # no kernel does that: of what came with it nothing is believed
+        if self._node.passed_over > whole:  # no kernel does that: nothing received with it is trusted
             states, self._pad.unknown = [], True
         if self._pad.unknown:
             self._ask_what_is_held()
@@ -64,11 +64,11 @@ class Receiver:
         return states
 
     def held(self) -> Held:
-        """Return what is held."""
+        """Return the current state."""
         return self._pad.held()
 
     def close(self) -> None:
-        """Let others have it; never fails."""
+        """Release the gamepad; never fails."""
         self._node.close()
 
     def _link(self) -> Link:
@@ -76,11 +76,11 @@ class Receiver:
         return _LINKS.get(_ID.unpack(told)[0], "other") if told is not None else "other"
 
     def _axes(self) -> tuple[int, ...] | None:
-        """Return the codes of the axes that it has; None if it does not tell: it is emulated."""
+        """Return the codes of its axes; None for an emulated gamepad, which does not report them."""
         told = self._node.ask(EVIOCGBIT_ABS, 8)
         if told is None:
             return None
-        found = int.from_bytes(told, "little")  # words of the machine's order, which is this on all that lbr runs on
+        found = int.from_bytes(told, "little")  # words in the machine's order, which is little on all that lbr runs on
         codes = tuple(code for code in AXES if found >> code & 1)
         if X not in codes:
             raise self._node.error("is no gamepad: it has no stick; `lbr devices` shows which are", "wiring")
@@ -94,7 +94,8 @@ class Receiver:
         return {code: Span(least, most, flat) for code, (_, least, most, _, flat, _) in values.items()}
 
     def _ask_what_is_held(self) -> None:
-        """Have the pad as it is now; one that does not tell it is at rest, and tells every change from now on."""
+        """Read the pad's current state. A pad without that request counts as at rest; it reports every change from now
+        on."""
         keys = self._node.ask(EVIOCGKEY, CODES // 8)
         bits = int.from_bytes(keys or b"", "little")
         told = {code: self._node.ask(_eviocgabs(code), _AXIS.size) for code in self._codes or ()}

@@ -1,4 +1,4 @@
-"""Recognition of a gamepad: by the keys and axes that the kernel lists for it; it is not opened."""
+"""Recognition of a gamepad by the keys and axes that the kernel lists for it; it is not opened."""
 
 from lbr.capability.recognition import NameHandshake, Seen
 

@@ -1,4 +1,4 @@
-"""Infrared receiver of the kernel's, hearing a dock's beams: its kind and its settings."""
+"""An infrared receiver of the kernel that receives a dock's beams: its kind and its settings."""
 
 from functools import reduce
 from operator import or_
@@ -14,8 +14,7 @@ from lbr.messages.units import Name
 Beam = Literal["left", "right", "power"]
 BEAMS: tuple[Beam, ...] = ("left", "right", "power")
 SONY_BITS = {6: 0x1F007F, 7: 0xFF007F, 8: 0x1FFF7F}
-"""Which bits of a scancode Sony-12, -15 and -20 have, by protocol number, as the kernel's decoder puts them together.
-"""
+"""The bits of a scancode that Sony-12, -15 and -20 use, by protocol number, as the kernel's decoder assembles them."""
 Code = (
     Annotated[int, Meta(ge=1, lt=2**32)]
     | Annotated[
@@ -39,7 +38,7 @@ class Codes(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class InfraredSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `infrared`.
 
-    `protocols`: the kernel's numbers (`enum rc_proto`) that count; empty: any. `records`: `scancodes` as from
+    `protocols`: the kernel's numbers (`enum rc_proto`) that are accepted; empty: any. `records`: `scancodes` as from
     /dev/lirc0, `events` as from /dev/input/event0; `auto`: by the address.
     """
 
@@ -50,7 +49,7 @@ class InfraredSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     ttl_s: Annotated[float, Meta(ge=0.2, le=10.0, description="how long a seen beam counts")] = 1.5
 
     def __post_init__(self) -> None:
-        """Refuse codes that could not be told apart."""
+        """Refuse codes that two beams share or that no remote sends."""
         numbers = [*self._numbers().values()]
         if len(set(numbers)) < len(numbers):
             raise ValueError("codes: two beams have the same code; give each its own")
@@ -64,7 +63,7 @@ class InfraredSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     @property
     def beams(self) -> dict[int, Beam]:
-        """Return which beam a scancode is."""
+        """Return the beam of each scancode."""
         return {code: beam for beam, code in self._numbers().items()}
 
     def _numbers(self) -> dict[Beam, int]:

@@ -1,4 +1,4 @@
-"""The dock's beams as a capability: which is seen, and for how long no more."""
+"""The dock's beams as a capability: which beams are seen now."""
 
 from math import inf
 
@@ -20,7 +20,7 @@ OLDEST_S = 3600.0
 class Infrared(Capability[InfraredSettings]):
     """Publishes every change at once, each new sight ten times a second at most, and twice a second in any case.
 
-    Without its receiver it is degraded, and still takes what others have heard.
+    Without its receiver it is degraded, but still accepts sights from other programs.
     """
 
     rate_hz = 20.0
@@ -31,24 +31,24 @@ class Infrared(Capability[InfraredSettings]):
         self._beams = ctx.settings.beams
         self._receiver: Receiver | None = None
         self._retry_at = -inf
-        self._shown: tuple[bool, ...] = ()
+        self._published_beams: tuple[bool, ...] = ()
         self._published_at = -inf
         self._new = False
 
     def step(self) -> None:
-        """Take in what was received, and publish what counts now."""
+        """Read the receiver, and publish the current beams."""
         for scancode in self._received():
             self._take(scancode)
         now = self.ctx.clock()
         signal = self._signal(now)
         shown = (signal.left, signal.right, signal.power)
         since_s = now - self._published_at
-        if shown != self._shown or since_s >= PUBLISH_S or (self._new and since_s >= SOONEST_S):
-            self._shown, self._published_at, self._new = shown, now, False
+        if shown != self._published_beams or since_s >= PUBLISH_S or (self._new and since_s >= SOONEST_S):
+            self._published_beams, self._published_at, self._new = shown, now, False
             self.ctx.publish("signal", signal)
 
     def command(self, call: Call) -> None:
-        """Take in a beam that another program has seen."""
+        """Accept a beam seen by another program."""
         for beam in BEAMS:
             if getattr(call.message, beam):
                 self._note(beam, call.arrived)
@@ -83,11 +83,11 @@ class Infrared(Capability[InfraredSettings]):
         if beam is None or (protocols and scancode.protocol not in {ANY_PROTOCOL, *protocols}):
             return
         now = self.ctx.clock()
-        ours = now - OLDEST_S < scancode.taken_s <= now  # else the device goes by a clock of its own
+        ours = now - OLDEST_S < scancode.taken_s <= now  # else the device has a clock of its own
         self._note(beam, scancode.taken_s if ours else now)
 
     def _note(self, beam: Beam, seen_at: float) -> None:
-        """Remember when a beam was seen; an older sight changes nothing."""
+        """Store when a beam was seen; an older sight changes nothing."""
         self._seen_at[beam] = max(seen_at, self._seen_at.get(beam, seen_at))
         self._new = True
 

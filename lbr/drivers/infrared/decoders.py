@@ -1,4 +1,4 @@
-"""Which protocols the kernel decodes for a receiver, as /sys/class/rc/rcN/protocols has it: the enabled in brackets."""
+"""The protocols that the kernel decodes for a receiver, from /sys/class/rc/rcN/protocols: the enabled ones in brackets."""
 
 import re
 from collections.abc import Iterable
@@ -12,20 +12,21 @@ NAMES = {
     12: "sanyo", 13: "mce_kbd", 14: "mce_kbd", 15: "rc-6", 16: "rc-6", 17: "rc-6", 18: "rc-6", 19: "rc-6", 20: "sharp",
     21: "xmp", 22: "cec", 23: "imon", 24: "rc-mm", 25: "rc-mm", 26: "rc-mm", 27: "xbox-dvd",
 }  # fmt: skip
-"""The kernel's name of a decoder, by the numbers of the protocols that it decodes (`enum rc_proto`)."""
+"""The kernel's name of a decoder, by the protocol numbers (`enum rc_proto`) that it decodes."""
 PULSES = "lirc"
-"""The interface that only passes pulses on: enabled always, and no decoder."""
+"""The interface that only passes pulses on: always enabled, and not a decoder."""
 _ENABLED = re.compile(r"\[(\S+)\]")
 
 
 class Decoders(Struct, frozen=True, kw_only=True):
-    """A receiver's name in /sys/class/rc, and the decoders that are switched on."""
+    """A receiver's name in /sys/class/rc, and its enabled decoders."""
 
     receiver: str
     enabled: frozenset[str]
 
     def lacks(self, protocols: Iterable[int] = ()) -> str:
-        """Return the problem and the cure; nothing if one of these protocols, or any if none is named, is decoded."""
+        """Return the problem and the cure, or an empty string if one of `protocols` (without any: one at all) is
+        decoded."""
         wanted = sorted({NAMES[number] for number in protocols if number in NAMES})
         if self.enabled & set(wanted) if wanted else self.enabled:
             return ""
@@ -38,7 +39,7 @@ class Decoders(Struct, frozen=True, kw_only=True):
 
 
 def of(node: str) -> Decoders | None:
-    """Return the decoders of the receiver behind /dev/lircN or an input device; None if the kernel does not tell."""
+    """Return the decoders of the receiver behind /dev/lircN or an input device; None if the kernel does not list them."""
     name = Path(node).resolve().name
     for place in (SYS / "lirc" / name / "device", SYS / "input" / name / "device" / "device"):
         try:

@@ -1,4 +1,4 @@
-"""The kernel's remote control input as an open file: /dev/lircN, an input event, or an emulated one."""
+"""The kernel's remote control input as an open file: /dev/lircN, an input event device, or an emulated one."""
 
 import errno
 import struct
@@ -15,7 +15,7 @@ LIRC_SET_REC_MODE, LIRC_MODE_SCANCODE = 0x40046912, 8
 
 
 class Receiver:
-    """Raises a DeviceError that names the device row, the path and what to do, when it is missing or goes away."""
+    """An open receiver; a DeviceError names the device row, the path and the cure when it is missing or goes away."""
 
     def __init__(self, device: Device, settings: InfraredSettings) -> None:
         self._address = device.address
@@ -31,7 +31,7 @@ class Receiver:
             failed.pop_all()
 
     def poll(self) -> list[Scancode]:
-        """Return what has come in since the last call."""
+        """Return the scancodes received since the last call."""
         return self._node.poll()
 
     def close(self) -> None:
@@ -39,7 +39,7 @@ class Receiver:
         self._node.close()
 
     def _prepare_scancodes(self) -> None:
-        """Ask for decoded codes, not for pulses."""
+        """Ask for decoded codes instead of pulses."""
         try:
             self._node.order(LIRC_SET_REC_MODE, struct.pack("=I", LIRC_MODE_SCANCODE))
         except OSError as err:
@@ -49,9 +49,9 @@ class Receiver:
                 raise self._node.error(f"cannot be set up: {err.strerror}") from err
 
     def _refuse_without_decoder(self, settings: InfraredSettings) -> None:
-        """Refuse a receiver that decodes nothing we want: the kernel opens it all the same, and it hears nothing."""
-        found = decoders.of(self._address)
-        if lacks := found.lacks(settings.protocols) if found is not None else "":
+        """Refuse a receiver without a wanted decoder: the kernel would open it, but deliver nothing."""
+        enabled = decoders.of(self._address)
+        if lacks := enabled.lacks(settings.protocols) if enabled is not None else "":
             raise self._node.error(lacks)
 
 

@@ -1,4 +1,4 @@
-"""Recognition of an infrared receiver: by the kernel's name of it; it is not opened."""
+"""Recognition of an infrared receiver by its kernel name; it is not opened."""
 
 from lbr.capability.recognition import NameHandshake, Seen
 

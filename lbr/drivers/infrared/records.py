@@ -1,7 +1,7 @@
 """The kernel's records of remote control codes: bytes to scancodes. No I/O.
 
-`struct lirc_scancode` (linux/lirc.h): u64 nanoseconds of CLOCK_MONOTONIC, u16 flags, u16 protocol, u32 keycode,
-u64 scancode, in the byte order of the machine. As an input event a scancode is EV_MSC/MSC_SCAN.
+`struct lirc_scancode` (linux/lirc.h): u64 nanoseconds of CLOCK_MONOTONIC, u16 flags, u16 protocol, u32 keycode, u64
+scancode. The byte order is the machine's. As an input event a scancode is EV_MSC/MSC_SCAN.
 """
 
 import struct
@@ -19,7 +19,7 @@ _LATEST_NS = 2**58  # nine years without a restart
 
 @dataclass(frozen=True, slots=True)
 class Scancode:
-    """A code as it came in: when, in seconds of the clock of the device; `protocol` 0 is unknown."""
+    """A received code; `taken_s` is its time by the device's clock, `protocol` 0 means unknown."""
 
     code: int
     protocol: int
@@ -27,7 +27,7 @@ class Scancode:
 
 
 def parser(*, events: bool) -> "RecordParser[Scancode]":
-    """Return what reads the scancodes of an input device, or of a receiver."""
+    """Return the parser for the scancodes of an input device, or of a lirc receiver."""
     return RecordParser(EVENT.size, _in_event) if events else RecordParser(_SCANCODE.size, _read)
 
 

@@ -1,4 +1,4 @@
-"""LD06 lidar, and others of its maker that speak as it does, on a serial line: its kind and its settings."""
+"""The LD06 lidar, and its maker's compatible ones, on a serial line: its kind and its settings."""
 
 from typing import Annotated
 
@@ -10,7 +10,7 @@ from lbr.messages.units import Name
 
 
 class Ld06Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Settings of a row of kind `ld06`; where it is and how far it sees is the row `sensor` of `range_sensor`."""
+    """Settings of a row of kind `ld06`; the row `sensor` of `range_sensor` has its place and range."""
 
     device: Name
     sensor: Name = "lidar"

@@ -1,4 +1,4 @@
-"""The LD06 as a capability: every whole turn of its mirror becomes a scan; no turn, no message."""
+"""The LD06 as a capability: every complete turn of its mirror becomes a scan."""
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Context
@@ -13,7 +13,7 @@ REPORT_PERIOD_S = 5.0
 
 
 class Ld06(Capability[Ld06Settings]):
-    """Publishes what the lidar sees."""
+    """Publishes the lidar's scans."""
 
     rate_hz = 50.0
 
@@ -22,12 +22,12 @@ class Ld06(Capability[Ld06Settings]):
         self._line: SerialLine | None = None
         self._parser = PacketParser()
         self._turn: Turn | None = None
-        self._told = self._heard = self._polled = 0.0
-        self._scans = self._bad_told = 0
+        self._reported_at = self._scanned_at = self._polled = 0.0
+        self._scans = self._bad_reported = 0
         self._waited = False
 
     def open(self) -> None:
-        """Open the line; the lidar talks by itself."""
+        """Open the line; the lidar sends by itself."""
         settings = self.ctx.settings
         if self.ctx.device is None:
             raise DeviceError(f"'{self.ctx.name}' has no device row '{settings.device}'; add it")
@@ -43,33 +43,33 @@ class Ld06(Capability[Ld06Settings]):
         self._turn = Turn(sensor, settings.least_confidence)
 
     def step(self) -> None:
-        """Publish the turns that are whole."""
+        """Publish the completed turns."""
         line, turn = self._line, self._turn
         assert line is not None
         assert turn is not None
         now = self.ctx.clock()
-        if now - self._polled > HELD_UP_S:  # what came in meanwhile is old
+        if now - self._polled > HELD_UP_S:  # what arrived meanwhile is old
             line.drop_input()
             self._parser.reset()
-            self._heard = now
+            self._scanned_at = now
         self._polled = now
         for packet in self._parser.feed(line.read()):
             scan = turn.add(packet)
             if scan is not None:
                 self.ctx.publish("scan", scan)
-                self._heard, self._scans = now, self._scans + 1
+                self._scanned_at, self._scans = now, self._scans + 1
         allowed_s = self.ctx.settings.timeout_s if self._scans else self.ctx.settings.start_timeout_s
-        if not now - self._heard < allowed_s:
+        if not now - self._scanned_at < allowed_s:
             raise DeviceError(self._silence(now))
         self._tell_state()
         self._tell_bad(now)
 
     def answers(self) -> bool:
-        """Opening the line is not enough: ready is who has scanned."""
+        """Return whether there was a scan; an open line is not enough."""
         return self._scans > 0
 
     def close(self) -> None:
-        """Leave the line."""
+        """Close the line."""
         line, self._line = self._line, None
         if line is not None:
             line.close()
@@ -77,11 +77,11 @@ class Ld06(Capability[Ld06Settings]):
     def _begin(self) -> None:
         self._parser = PacketParser()
         self._turn = None
-        self._heard = self._polled = self.ctx.clock()
-        self._scans = self._bad_told = 0
+        self._scanned_at = self._polled = self.ctx.clock()
+        self._scans = self._bad_reported = 0
 
     def _tell_state(self) -> None:
-        """Say at the first opening what is waited for; later ones leave said what was wrong until it is over."""
+        """Publish readiness, or at the first opening what is missing; later openings keep the error until a scan comes."""
         if self.answers():
             self.ctx.ready()
         elif not self._waited:
@@ -90,12 +90,12 @@ class Ld06(Capability[Ld06Settings]):
 
     def _tell_bad(self, now: float) -> None:
         bad = self._parser.bad_bytes
-        if self._scans and bad > self._bad_told and now - self._told > REPORT_PERIOD_S:
-            self._bad_told, self._told = bad, now
+        if self._scans and bad > self._bad_reported and now - self._reported_at > REPORT_PERIOD_S:
+            self._bad_reported, self._reported_at = bad, now
             text = f"{bad} bytes from the lidar were no packets, {self._turn.broken if self._turn else 0} scans were not whole"
             self.ctx.event("bad_bytes", text, level="warning", data={"bad": bad, "scans": self._scans})
 
     def _silence(self, now: float) -> str:
-        said = f"device '{self.ctx.settings.device}' is silent: no scan for {now - self._heard:.1f} s"
+        complaint = f"device '{self.ctx.settings.device}' is silent: no scan for {now - self._scanned_at:.1f} s"
         heard = f", but {self._parser.bad_bytes} bytes that are not packets" if self._parser.bad_bytes else ""
-        return f"{said}{heard}; check its cable and power, and that its mirror turns"
+        return f"{complaint}{heard}; check its cable and power, and that its mirror turns"

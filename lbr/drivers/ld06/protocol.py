@@ -1,6 +1,6 @@
 """The output of an LD06: packets of twelve distances, clockwise, each packet with a check byte. No I/O.
 
-Written after public programs that read one; not yet read from a device.
+Written from public programs that read one; not yet read from a device.
 """
 
 from math import inf, nan, radians, tau
@@ -16,20 +16,20 @@ POINTS = 12
 PACKET_BYTES = 47
 FULL_TURN_CDEG = 36_000
 WIDEST_CDEG = 3_000
-"""A packet that covers more is refused: at the slowest turn that a scan is worth, twelve distances cover 20 degrees."""
+"""The limit for a packet: at the slowest turn that is worth a scan, twelve distances cover 20 degrees."""
 GAP_CDEG = 500
-"""Between packets that follow one another there is a step of 0.8 degrees."""
+"""The limit for the step between successive packets, which is 0.8 degrees."""
 
 
 class Point(NamedTuple):
-    """A distance in millimetres (0: nothing came back) and how sure the lidar is of it, 0 to 255."""
+    """A distance in millimetres (0: no echo) and the lidar's confidence in it, 0 to 255."""
 
     distance_mm: int
     confidence: int
 
 
 class Packet(Struct, frozen=True):
-    """Twelve distances, evenly from one angle to another, in hundredths of a degree clockwise."""
+    """Twelve distances, evenly spaced from one angle to another, in hundredths of a degree clockwise."""
 
     speed_dps: int
     start_cdeg: int
@@ -38,7 +38,7 @@ class Packet(Struct, frozen=True):
 
     @property
     def span_cdeg(self) -> int:
-        """Return how far it is from the first to the last distance."""
+        """Return the angle from the first to the last distance."""
         return (self.end_cdeg - self.start_cdeg) % FULL_TURN_CDEG
 
 
@@ -76,7 +76,7 @@ class PacketParser:
         return packets
 
     def reset(self) -> None:
-        """Forget a packet begun."""
+        """Forget the unfinished packet."""
         self._held.clear()
 
     @property
@@ -86,7 +86,7 @@ class PacketParser:
 
 
 def decode(data: bytes) -> Packet | None:
-    """Return a packet, None if these bytes are not one."""
+    """Return the packet, or None if the bytes are not one."""
     if len(data) != PACKET_BYTES or not data.startswith(HEAD) or check(data[:-1]) != data[-1]:
         return None
     packet = Packet(
@@ -108,7 +108,7 @@ def check(data: bytes) -> int:
 
 
 class Turn:
-    """Gathers packets until the mirror has gone round once; a turn of which a packet is missing is not told."""
+    """Gathers the packets of one turn of the mirror; a turn with a missing packet gives no scan."""
 
     def __init__(self, sensor: RangeSensor, least_confidence: int = 0) -> None:
         self.broken = 0
@@ -119,7 +119,7 @@ class Turn:
         self._begin()
 
     def add(self, packet: Packet) -> Scan | None:
-        """Take in a packet; return the scan that it has completed, if it has."""
+        """Add a packet; return the scan that it completes, or None."""
         done: Scan | None = None
         if (packet.start_cdeg - self._at_cdeg) % FULL_TURN_CDEG > GAP_CDEG:
             self._whole = False
@@ -148,7 +148,7 @@ class Turn:
             metres = -inf
         elif metres > sensor.max_m:
             metres = inf
-        if not metres >= self._metres[number]:  # this way round, a number takes the place of NaN
+        if not metres >= self._metres[number]:  # this way round, a number replaces NaN
             self._metres[number] = metres
 
     def _scan(self, speed_dps: int) -> Scan:

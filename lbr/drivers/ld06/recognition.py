@@ -1,4 +1,4 @@
-"""Recognition of an LD06: it talks by itself; three sound packets are enough, and nothing is sent."""
+"""Recognition of an LD06: it sends by itself, three valid packets are enough, and nothing is written."""
 
 from lbr.capability.recognition import Seen, SerialHandshake
 from lbr.drivers.ld06.protocol import BAUD, PacketParser
@@ -13,11 +13,11 @@ SENSOR = {
     "rays": 360,
     "stop_m": None,
 }
-"""Its row, as if it sat in the middle and looked ahead; where it sits is for a person to correct."""
+"""Its proposed row, as if it sat in the middle and looked ahead; a person corrects its place."""
 
 
 def seen(stream: bytes) -> Seen | None:
-    """Return the lidar whose packets these are."""
+    """Return the lidar that sent these packets."""
     return (
         Seen(what="LD06 lidar", needs=(("range_sensor", SENSOR),))
         if len(PacketParser().feed(stream)) >= ENOUGH

@@ -1,7 +1,7 @@
-"""The MPU-9150 as a capability: one reading at each tick, an invalid sample where nothing was measured.
+"""The MPU-9150 as a capability: one reading at each tick, an invalid sample if nothing was measured.
 
-While it lies still there are fewer ticks, and two readings are one sample. A reading of a motion is published at once
-and brings all of them back.
+While it lies still the ticks are fewer, and two readings are one sample. A reading of a motion is published at once and
+restores the full rate.
 """
 
 from lbr.capability.base import Capability
@@ -62,7 +62,7 @@ class Mpu9150(Capability[Mpu9150Settings]):
                 self.ctx.ready()
 
     def degraded(self, reason: str) -> None:
-        """Tell that nothing is measured."""
+        """Publish that nothing is measured."""
         self.ctx.publish("sample", ImuSample(valid=False, time_s=self.ctx.clock(), reason=reason))
 
     def close(self) -> None:

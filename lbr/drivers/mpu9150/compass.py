@@ -1,4 +1,4 @@
-"""The AK8975: one measurement at a time, each asked for by itself; it answers only while the bypass is on."""
+"""The AK8975: it measures once at each request, and answers only while the bypass is on."""
 
 from collections.abc import Callable
 
@@ -12,11 +12,11 @@ MODE_CHANGE_S = 0.0005
 OVERDUE_S = 0.1
 EARLY_S = 0.003
 REST_S = 0.08
-"""The period of a unit at rest: every second reading, as one sample has two."""
+"""The period of a unit at rest: one measurement for each sample, which has two readings."""
 
 
 class Compass:
-    """A compass on an open bus; its OSErrors are the caller's."""
+    """A compass on an open bus; its OSErrors are left to the caller."""
 
     def __init__(self, bus: Bus, rate_hz: float, sleep: Callable[[float], None]) -> None:
         self._bus = bus
@@ -27,45 +27,45 @@ class Compass:
         self._next = 0.0
 
     def start(self, name: str) -> None:
-        """Make sure it is one, and read its sensitivity; raise DeviceError naming device row `name`."""
-        found = self._bus.read_byte_data(registers.COMPASS_ADDRESS, registers.COMPASS_ID)
-        if found != registers.COMPASS_OWN_ID:
+        """Check its identity and read its sensitivity; raise DeviceError naming device row `name`."""
+        identity = self._bus.read_byte_data(registers.COMPASS_ADDRESS, registers.COMPASS_ID)
+        if identity != registers.COMPASS_OWN_ID:
             own = registers.COMPASS_OWN_ID
-            said = f"device '{name}': what answers for its compass says {found:#04x}, not {own:#04x}"
-            raise DeviceError(f"{said}; it is not an MPU-9150, or set mag_hz to 0 to go without")
+            complaint = f"device '{name}': what answers for its compass says {identity:#04x}, not {own:#04x}"
+            raise DeviceError(f"{complaint}; it is not an MPU-9150, or set mag_hz to 0 to go without")
         fuses = self._fuses()
         unit = registers.sensitivity(fuses)
         if unit is None or fuses != self._fuses():
-            said = f"device '{name}': the sensitivity of its compass cannot be read ({fuses.hex(' ')})"
-            raise DeviceError(f"{said}; check its wiring, or set mag_hz to 0 to go without")
+            complaint = f"device '{name}': the sensitivity of its compass cannot be read ({fuses.hex(' ')})"
+            raise DeviceError(f"{complaint}; check its wiring, or set mag_hz to 0 to go without")
         self._unit = unit
         self._asked, self._next = None, 0.0
 
     def rest(self, *, rests: bool) -> None:
-        """Measure seldom, or as often as its row wants."""
+        """Measure seldom, or at its row's rate."""
         self._period_s = max(self._full_s, REST_S) if rests else self._full_s
 
     def poll(self, now: float) -> MagneticField | None:
-        """Return a new reading if there is one, and ask for the next when it is time."""
-        found = None
+        """Return a new reading if there is one, and request the next when it is due."""
+        field = None
         if self._asked is not None and now - self._asked >= registers.CONVERSION_S:
-            found = self._collect(now, now - self._asked)
+            field = self._collect(now, now - self._asked)
         if self._asked is None and now >= self._next:
             self._mode(registers.SINGLE)
             self._asked, self._next = now, now + self._period_s - EARLY_S
-        return found
+        return field
 
     def _collect(self, now: float, waited_s: float) -> MagneticField | None:
         address, length = registers.COMPASS_ADDRESS, registers.COMPASS_READING_BYTES
         data = bytes(self._bus.read_i2c_block_data(address, registers.COMPASS_READING, length))
-        found = registers.decode_field(data, self._unit)
-        if found is None and waited_s > OVERDUE_S:
+        field = registers.decode_field(data, self._unit)
+        if field is None and waited_s > OVERDUE_S:
             self._mode(registers.OFF)
             self._next = now + MODE_CHANGE_S
-            found = MagneticField(None, "the compass does not finish measuring")
-        if found is not None:
+            field = MagneticField(None, "the compass does not finish measuring")
+        if field is not None:
             self._asked = None
-        return found
+        return field
 
     def _fuses(self) -> bytes:
         """Read the fuses; every change of mode goes through off, with a pause."""

@@ -1,4 +1,5 @@
-"""The inertial unit as a device: started, read by one burst per sample, watched for what makes its numbers none."""
+"""The inertial unit as a device: started, read in one burst for each sample, and checked for readings that are not
+live."""
 
 import errno
 import time
@@ -27,11 +28,10 @@ Tell = Callable[[str, str], None]
 
 
 class InertialUnit:
-    """One unit on an open bus. A failed reading is an invalid sample, many in a row are a DeviceError.
+    """One unit on an open bus. A failed reading is an invalid sample, several in a row are a DeviceError.
 
-    A compass that does not answer leaves the rest: it is restarted every 2 s.
-    `tell(kind, text)` takes what people should know of; it may come often. `compass_trouble`: why there have been no
-    compass readings for a second, empty if there have.
+    A compass that does not answer is restarted every 2 s, while the rest goes on. `tell(kind, text)` publishes
+    warnings; it may be called often. `compass_trouble`: why there was no compass reading for a second, or empty.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class InertialUnit:
         self._compass_at = 0.0
 
     def start(self) -> None:
-        """Reset it, set it up and read that back, start its compass; takes some 0.1 s."""
+        """Reset it, write its settings and read them back, start its compass; takes some 0.1 s."""
         try:
             self._identify()
             self._reset()
@@ -83,7 +83,7 @@ class InertialUnit:
         self._start_compass()
 
     def sample(self) -> ImuSample:
-        """Measure now; raise DeviceError once it has to be restarted."""
+        """Measure now; raise DeviceError if it has to be restarted."""
         now = self._clock()
         try:
             burst = bytes(self._bus.read_i2c_block_data(self._address, registers.MOTION, registers.MOTION_BYTES))
@@ -110,7 +110,7 @@ class InertialUnit:
         )
 
     def rest(self, *, rests: bool) -> None:
-        """Have its compass measure seldom while it lies still."""
+        """Make its compass measure seldom while it lies still."""
         if self._compass is not None:
             self._compass.rest(rests=rests)
 
@@ -119,29 +119,28 @@ class InertialUnit:
         self._bus.close()
 
     def _identify(self) -> None:
-        """Nothing is written to what is not an MPU-9150."""
-        found = self._bus.read_byte_data(self._address, registers.WHO_AM_I)
-        if found != registers.OWN_ID:
-            said = (
-                f"device '{self._device.name}' at {self._device.address} is not an MPU-9150: WHO_AM_I is {found:#04x}"
+        """Check that it is an MPU-9150, before anything is written to it."""
+        chip = self._bus.read_byte_data(self._address, registers.WHO_AM_I)
+        if chip != registers.OWN_ID:
+            complaint = (
+                f"device '{self._device.name}' at {self._device.address} is not an MPU-9150: WHO_AM_I is {chip:#04x}"
             )
-            own = f"({registers.name_of(found)}), not {registers.OWN_ID:#04x}"
-            raise DeviceError(f"{said} {own}; check the address in the device row and the wiring")
+            own = f"({registers.name_of(chip)}), not {registers.OWN_ID:#04x}"
+            raise DeviceError(f"{complaint} {own}; check the address in the device row and the wiring")
 
     def _reset(self) -> None:
         self._bus.write_byte_data(self._address, registers.POWER, registers.RESET)
         until = self._clock() + RESET_LIMIT_S
         while True:
             self._sleep(RESET_PAUSE_S)
-            with suppress(OSError):  # while it resets it need not answer
+            with suppress(OSError):  # during the reset it may not answer
                 if not self._bus.read_byte_data(self._address, registers.POWER) & registers.RESET:
                     return
             if not self._clock() < until:
                 raise OSError(errno.ETIMEDOUT, "reset")
 
     def _start_compass(self) -> None:
-        """Start the compass; one that does not answer is tried again later, one that is another chip is a
-        DeviceError."""
+        """Start the compass; retry later if it does not answer, raise DeviceError if it is another chip."""
         self._compass_errors, self._compass_runs = 0, False
         if self._compass is None:
             return
@@ -164,15 +163,15 @@ class InertialUnit:
         return ImuSample(valid=False, time_s=now, reason=str(error))
 
     def _unusable(self, now: float, reason: str) -> ImuSample:
-        said = f"device '{self._device.name}' at {self._device.address}: {reason}"
+        complaint = f"device '{self._device.name}' at {self._device.address}: {reason}"
         self._verify(registers.POWER, "lost its settings; was its power interrupted? It is restarted")
         if not now - self._valid_at < UNUSABLE_S:
-            raise DeviceError(f"{said}; it is restarted; check its power and wiring")
-        self._tell("unusable", said)
-        return ImuSample(valid=False, time_s=now, reason=said)
+            raise DeviceError(f"{complaint}; it is restarted; check its power and wiring")
+        self._tell("unusable", complaint)
+        return ImuSample(valid=False, time_s=now, reason=complaint)
 
     def _check_settings(self, now: float) -> None:
-        """Look at one of its settings every now and then: a unit that was without power for a moment forgets them."""
+        """Check one of its settings from time to time: a unit that loses power for a moment loses them."""
         if now >= self._check_at:
             self._check_at = now + CHECK_PERIOD_S
             self._checks += 1
@@ -181,35 +180,35 @@ class InertialUnit:
             self._verify(register, "lost its settings; was its power interrupted? It is restarted")
 
     def _verify(self, register: int, otherwise: str) -> None:
-        """Raise DeviceError if a setting is twice not what was written; an error of the bus tells nothing."""
+        """Raise DeviceError if a setting is read wrong twice; an error of the bus proves nothing."""
         wanted = self._wanted[register]
-        found = b""
+        read = b""
         for _ in range(2):
             try:
-                found = bytes(self._bus.read_i2c_block_data(self._address, register, len(wanted)))
+                read = bytes(self._bus.read_i2c_block_data(self._address, register, len(wanted)))
             except OSError:
                 return
-            if found == wanted:
+            if read == wanted:
                 return
-        said = f"device '{self._device.name}' at {self._device.address} {otherwise}"
-        raise DeviceError(f"{said} (register {register:#04x} is {found.hex(' ')}, not {wanted.hex(' ')})")
+        complaint = f"device '{self._device.name}' at {self._device.address} {otherwise}"
+        raise DeviceError(f"{complaint} (register {register:#04x} is {read.hex(' ')}, not {wanted.hex(' ')})")
 
     def _field(self, now: float) -> Vector | None:
         if self._compass is None or not self._compass_is_up(now):
             return None
         try:
-            found = self._compass.poll(now)
+            field = self._compass.poll(now)
         except OSError as err:
             self._compass_failed(now, err)
             return None
         self._compass_errors = 0
-        if found is not None and found.trouble:
-            self._tell("compass", found.trouble)
-            self._miss_compass(now, found.trouble)
-        elif found is not None:
+        if field is not None and field.trouble:
+            self._tell("compass", field.trouble)
+            self._miss_compass(now, field.trouble)
+        elif field is not None:
             self._field_at = now
             self.compass_trouble = ""
-        return found.microtesla if found is not None else None
+        return field.microtesla if field is not None else None
 
     def _compass_is_up(self, now: float) -> bool:
         if not self._compass_runs and now >= self._compass_at:

@@ -5,7 +5,7 @@ from lbr.drivers.mpu9150 import registers
 
 
 def seen(read: Read) -> Seen | None:
-    """Return the unit that says who it is."""
+    """Return the unit, if WHO_AM_I is that of an MPU-9150."""
     return Seen(what="MPU-9150 inertial unit") if read(registers.WHO_AM_I, 1)[0] == registers.OWN_ID else None
 
 

@@ -1,4 +1,4 @@
-"""Registers of the MPU-9150 and of the AK8975 inside it, and what their bytes mean. No I/O.
+"""Registers of the MPU-9150 and of the AK8975 inside it, and the meaning of their bytes. No I/O.
 
 From the MPU-9150 register map (RM-MPU-9150A) and the AK8975 datasheet.
 """
@@ -19,7 +19,7 @@ POWER = 0x6B
 WHO_AM_I = 0x75
 MOTION_BYTES = 14
 RESET = 0x80
-AWAKE = 0x01  # clocked by the gyro, which is steadier than the oscillator it wakes up with
+AWAKE = 0x01  # clocked by the gyro, which is steadier than the oscillator used after a reset
 
 OWN_ID = 0x68
 OTHERS = {
@@ -59,14 +59,14 @@ class Units:
 
 @dataclass(frozen=True, slots=True)
 class MagneticField:
-    """One reading of the compass: microtesla along the accelerometer's axes, or why it is missing."""
+    """One reading of the compass: microtesla along the accelerometer's axes, or the reason for none."""
 
     microtesla: Vector | None
     trouble: str = ""
 
 
 def units(settings: Mpu9150Settings) -> Units:
-    """Return what one count means: 131 are one degree per second at 250, 16384 one gravity at 2."""
+    """Return the worth of one count: 131 are one degree per second at 250, 16384 one gravity at 2."""
     return Units(
         gyro_rps=RAD_PER_DEG * settings.gyro_range_dps / (250 * 131.0),
         accel_mps2=STANDARD_GRAVITY_MPS2 * settings.accel_range_g / (2 * 16384.0),
@@ -76,8 +76,8 @@ def units(settings: Mpu9150Settings) -> Units:
 def configuration(settings: Mpu9150Settings) -> dict[int, bytes]:
     """Return the registers of a unit at work, in the order in which they are written.
 
-    It measures every millisecond whatever the rate asked of it: the newest reading is then never old. Bypass needs
-    both registers, and lets the compass answer on the same bus.
+    It measures every millisecond at any sample rate, so the newest reading is never old. Bypass needs both registers,
+    and lets the compass answer on the same bus.
     """
     gyro = (250, 500, 1000, 2000).index(settings.gyro_range_dps)
     accel = (2, 4, 8, 16).index(settings.accel_range_g)
@@ -95,17 +95,17 @@ def decode_motion(burst: bytes) -> tuple[int, ...]:
 
 
 def temperature_c(count: int, offset_c: float) -> float:
-    """Return a temperature; 340 counts are a kelvin."""
+    """Return the temperature; 340 counts are a kelvin."""
     return count / 340.0 + offset_c
 
 
 def name_of(identity: int) -> str:
-    """Say what answers with an identity that is not an MPU-9150's."""
+    """Return the name of the chip with an identity other than an MPU-9150's."""
     return OTHERS.get(identity, "something else")
 
 
 def sensitivity(fuses: bytes) -> Vector | None:
-    """Return microtesla per count of each compass axis, by the fuses burnt in the factory; None if they are not."""
+    """Return microtesla per count of each compass axis, from the factory's fuses; None if they are not burnt."""
     if len(fuses) != 3 or not any(fuses) or all(fuse == 0xFF for fuse in fuses):
         return None
     x, y, z = (_MICROTESLA * ((fuse - 128) / 256.0 + 1.0) for fuse in fuses)
@@ -113,7 +113,7 @@ def sensitivity(fuses: bytes) -> Vector | None:
 
 
 def decode_field(reading: bytes, unit: Vector) -> MagneticField | None:
-    """Return what the eight bytes from ST1 to ST2 say, None while there is nothing new; little endian."""
+    """Decode the eight bytes from ST1 to ST2, little endian; None while there is no new reading."""
     ready, x, y, z, status = _READING.unpack(reading)
     if not ready & _READY:
         return None
@@ -123,12 +123,12 @@ def decode_field(reading: bytes, unit: Vector) -> MagneticField | None:
         return MagneticField(None, "the compass could not be read out: data error")
     if not max(abs(x), abs(y), abs(z)) <= _FARTHEST:
         return MagneticField(None, "the compass reads more than it can count to")
-    # the compass lies across in the package: its x is the accelerometer's y, its y the x, its z points down
+    # the compass is mounted turned: its x is the accelerometer's y, its y the x, its z points down
     return MagneticField((y * unit[1] + 0.0, x * unit[0] + 0.0, -z * unit[2] + 0.0))
 
 
 def motion(counts: tuple[int, ...], unit: Units) -> tuple[Vector | None, Vector | None]:
-    """Return acceleration and rotation in SI units; what is at the end of its range is not measured."""
+    """Return acceleration and rotation in SI units; a value at the end of its range counts as not measured."""
     accel: Counts = (counts[0], counts[1], counts[2])
     gyro: Counts = (counts[4], counts[5], counts[6])
     return scaled(accel, unit.accel_mps2), scaled(gyro, unit.gyro_rps)

@@ -23,7 +23,7 @@ class PhidgetSpatialSettings(Struct, frozen=True, kw_only=True, forbid_unknown_f
     zero_at_start: Annotated[bool, Meta(description="take the gyro's zero at each start, lying still")] = False
 
     def __post_init__(self) -> None:
-        """Refuse intervals that no board has."""
+        """Refuse intervals that no board supports."""
         if self.interval_ms != 4 and self.interval_ms % 8:
             raise ValueError(f"interval_ms {self.interval_ms}: these units know 4, and multiples of 8")
 

@@ -29,7 +29,7 @@ QUIET_MS = round(1000.0 / QUIET_HZ)
 
 
 class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
-    """Publishes what the inertial unit measures; the library's thread only hands over."""
+    """Publishes the unit's measurements; the library's thread only queues them."""
 
     rate_hz = READING_HZ
 
@@ -42,25 +42,27 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
         self._begin()
 
     def open(self) -> None:
-        """Wait a moment for the unit, and have it measure."""
+        """Wait a moment for the unit, and start measuring."""
         if self.ctx.device is None:
             raise DeviceError(f"'{self.ctx.name}' has no device row '{self.ctx.settings.device}'; add it")
         opened = self._opened = find(self.ctx.device)
         self._begin()
-        opened.unit.setOnSpatialDataHandler(self._came)
-        opened.unit.setOnDetachHandler(self._went)
+        opened.unit.setOnSpatialDataHandler(self._on_data)
+        opened.unit.setOnDetachHandler(self._on_detach)
         try:
             opened.unit.openWaitForAttachment(ATTACH_MS)
             opened.unit.setDataInterval(self._interval_ms)
             if self.ctx.settings.zero_at_start:
                 self._zero(opened)
         except opened.errors as err:
-            raise DeviceError(f"{self._who()}: {_said(err)}; is it plugged in, and may this user use it?") from err
+            raise DeviceError(
+                f"{self._device_text()}: {_error_text(err)}; is it plugged in, and may this user use it?"
+            ) from err
         self.ctx.device.tap.opened()
         self._heard_s = self.ctx.clock()
 
     def step(self) -> None:
-        """Publish what came; raise DeviceError if nothing does."""
+        """Publish the queued samples; raise DeviceError if there have been none for too long."""
         now = self.ctx.clock()
         quiet = self._slow and not self._waiting
         while self._waiting:
@@ -68,12 +70,12 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
             self._heard_s = reading.arrived_s
             sample = self._sample(reading)
             self.ctx.publish("sample", sample)
-            quiet = self._quiet.look(sample) or quiet  # samples of one burst may be the same
+            quiet = self._quiet.look(sample) or quiet  # a burst may repeat samples
         self._pace(quiet=quiet)
-        if self._gone:
-            raise DeviceError(f"{self._who()} was unplugged; plug it in again")
+        if self._detached:
+            raise DeviceError(f"{self._device_text()} was unplugged; plug it in again")
         if not now - self._heard_s <= SILENT_S + 4 * self._interval_ms / 1000.0:
-            raise DeviceError(f"{self._who()} has fallen silent; reopening it")
+            raise DeviceError(f"{self._device_text()} has fallen silent; reopening it")
 
     def command(self, call: Call) -> None:
         """Take the gyro's zero, if the unit lies still."""
@@ -89,12 +91,12 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
             try:
                 self._zero(self._opened)
             except self._opened.errors as err:
-                call.refuse(f"{self._who()}: {_said(err)}", "failed")
+                call.refuse(f"{self._device_text()}: {_error_text(err)}", "failed")
                 return
             call.reply(CommandReply(accepted=True, reason=f"keep it still for {ZERO_S:g} s"))
 
     def degraded(self, reason: str) -> None:
-        """Tell that nothing is measured."""
+        """Publish that nothing is measured."""
         self.ctx.publish("sample", ImuSample(valid=False, time_s=self.ctx.clock(), reason=reason))
 
     def close(self) -> None:
@@ -110,13 +112,13 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
         self._signs = LifeSigns(MOST_ALIKE)
         self._zeroed_s = -inf
         self._heard_s = -inf
-        self._gone = self._turns = self._slow = False
+        self._detached = self._turns = self._slow = False
         self._quiet = Quiet()
         self.rate_hz, self._interval_ms = READING_HZ, self.ctx.settings.interval_ms
 
     def _pace(self, *, quiet: bool) -> None:
-        """Have a unit that lies still measure seldom, each sample waking the loop; any other as often as its row
-        wants."""
+        """Make a unit that lies still measure seldom, each sample waking the loop; otherwise restore its row's
+        interval."""
         if quiet == self._slow or self._opened is None:
             return
         usual_ms = self.ctx.settings.interval_ms
@@ -125,21 +127,21 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
         try:
             self._opened.unit.setDataInterval(self._interval_ms)
         except self._opened.errors as err:
-            raise DeviceError(f"{self._who()}: {_said(err)}; reopening it") from err
+            raise DeviceError(f"{self._device_text()}: {_error_text(err)}; reopening it") from err
 
-    def _came(
+    def _on_data(
         self, _: Any, accel: Sequence[float], gyro: Sequence[float], mag: Sequence[float], device_ms: float
     ) -> None:
-        """Hand over, on the library's thread: its lists are its own. A recorder gets it in the words of the emulated
-        unit."""
+        """Queue a sample, on the library's thread, which reuses its lists; the recorder gets it as the emulated unit's
+        record."""
         self._waiting.append(Reading(tuple(accel), tuple(gyro), tuple(mag), device_ms, time.monotonic()))
         if self.ctx.device is not None and self.ctx.device.tap.wanted:
             self.ctx.device.tap.came(RECORD.pack(*accel, *gyro, *mag, device_ms))
         if self._slow:
             self.ctx.wake()
 
-    def _went(self, _: Any) -> None:
-        self._gone = True
+    def _on_detach(self, _: Any) -> None:
+        self._detached = True
         self.ctx.wake()
 
     def _sample(self, reading: Reading) -> ImuSample:
@@ -149,7 +151,7 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
             return ImuSample(valid=False, time_s=time_s, reason="the gyro's zero is being taken; keep it still")
         counts = tuple(round(value * 1e6) for value in (*reading.accel_g, *reading.gyro_dps) if abs(value) < 1e6)
         if why := self._signs.missing(counts):
-            self._notices.tell("imu_dead", f"{self._who()}: {why}")
+            self._notices.tell("imu_dead", f"{self._device_text()}: {why}")
             return ImuSample(valid=False, time_s=time_s, reason=why)
         return sample(reading, time_s, self.ctx.settings.gravity_sign)
 
@@ -157,11 +159,11 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
         opened.unit.zeroGyro()
         self._zeroed_s = self.ctx.clock() + ZERO_S
 
-    def _who(self) -> str:
+    def _device_text(self) -> str:
         assert self.ctx.device is not None
         return f"device '{self.ctx.device.name}' at {self.ctx.device.address}"
 
 
-def _said(err: Exception) -> str:
+def _error_text(err: Exception) -> str:
     details = getattr(err, "details", "") or getattr(err, "strerror", "") or err
     return str(details) or type(err).__name__

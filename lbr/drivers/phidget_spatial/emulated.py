@@ -1,8 +1,8 @@
 """A stand-in for `Phidget22.Devices.Spatial.Spatial` whose unit is at the other end of a socket.
 
-The unit sends records of ten little-endian doubles: acceleration (g), turn rate (degrees a second) and field (gauss)
-along x, y and z, and its clock (milliseconds). It takes lines of JSON: `{"interval_ms": 4}`, `{"zero": true}`.
-A connection is a cable: while there is one, the unit is attached.
+The unit sends records of ten little-endian doubles. They are acceleration (g), turn rate (degrees a second) and field
+(gauss) along x, y and z, and its clock (milliseconds). It accepts lines of JSON: `{"interval_ms": 4}`, `{"zero":
+true}`. The unit is attached while there is a connection.
 """
 # ruff: noqa: N802, N803 - the library's own names
 
@@ -23,7 +23,7 @@ OnData = Callable[[Any, Sequence[float], Sequence[float], Sequence[float], float
 
 
 class EmulatedSpatial:
-    """Connects when it is opened; its handlers are called on a thread of its own, as the library's are."""
+    """Connects when it is opened; a thread of its own calls the handlers, as in the library."""
 
     def __init__(self, path: str) -> None:
         self._path = path
@@ -33,11 +33,11 @@ class EmulatedSpatial:
         self._thread: threading.Thread | None = None
 
     def setOnSpatialDataHandler(self, handler: OnData | None) -> None:
-        """Have a function called with every sample."""
+        """Set the function that is called with every sample."""
         self._on_data = handler
 
     def setOnDetachHandler(self, handler: Callable[[Any], None] | None) -> None:
-        """Have a function called when the unit is gone."""
+        """Set the function that is called when the unit is gone."""
         self._on_detach = handler
 
     def openWaitForAttachment(self, timeout: int) -> None:
@@ -56,11 +56,11 @@ class EmulatedSpatial:
         self._thread.start()
 
     def setDataInterval(self, DataInterval: int) -> None:
-        """Have a sample at this interval, in milliseconds."""
+        """Set the interval between samples, in milliseconds."""
         self._say({"interval_ms": DataInterval})
 
     def getDeviceName(self) -> str:
-        """Return what it is."""
+        """Return its name."""
         return "an emulated PhidgetSpatial 3/3/3"
 
     def zeroGyro(self) -> None:

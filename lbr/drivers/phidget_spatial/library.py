@@ -1,4 +1,4 @@
-"""Where the unit is: Phidgets' own library for one on USB, or what stands for both at a socket.
+"""The unit of an address: on USB by Phidgets' own library, or emulated at a socket.
 
 Addresses: `usb:` for the only unit, `usb:SERIAL` for one of several, `unix:PATH`.
 """
@@ -17,22 +17,22 @@ OnData = Callable[[Any, Sequence[float], Sequence[float], Sequence[float], float
 
 
 class Spatial(Protocol):
-    """The calls of `Phidget22.Devices.Spatial.Spatial` that are used here, by their own names."""
+    """The calls of `Phidget22.Devices.Spatial.Spatial` used here, by their own names."""
 
     def setOnSpatialDataHandler(self, handler: OnData | None) -> None:
-        """Have a function called with every sample, on a thread of the library's."""
+        """Set the function that is called with every sample, on a thread of the library."""
 
     def setOnDetachHandler(self, handler: Callable[[Any], None] | None) -> None:
-        """Have a function called when the unit is gone."""
+        """Set the function that is called when the unit is gone."""
 
     def openWaitForAttachment(self, timeout: int) -> None:
         """Wait up to `timeout` milliseconds for the unit."""
 
     def setDataInterval(self, DataInterval: int) -> None:
-        """Have a sample at this interval, in milliseconds; forgotten when it is plugged in again."""
+        """Set the interval between samples, in milliseconds; it is lost when the unit is plugged in again."""
 
     def getDeviceName(self) -> str:
-        """Return what it is."""
+        """Return its name."""
 
     def zeroGyro(self) -> None:
         """Take the gyro's zero, for about two seconds."""
@@ -42,30 +42,30 @@ class Spatial(Protocol):
 
 
 class Opened(NamedTuple):
-    """A unit that is not attached yet, and what its calls raise."""
+    """A unit that is not attached yet, and the errors of its calls."""
 
     unit: Spatial
     errors: tuple[type[Exception], ...]
 
 
 def find(device: Device) -> Opened:
-    """Return the unit that a device row means; raise DeviceError saying what is missing."""
+    """Return the unit of a device row; raise DeviceError if the address is wrong or the library is missing."""
     if device.address.startswith("unix:"):
         return Opened(EmulatedSpatial(device.address.removeprefix("unix:")), (OSError,))
-    found = _USB.fullmatch(device.address)
-    if found is None:
-        said = f"device '{device.name}': address '{device.address}' is not one of usb:, usb:SERIAL, unix:PATH"
-        raise DeviceError(f"{said}; correct the device row")
+    address = _USB.fullmatch(device.address)
+    if address is None:
+        complaint = f"device '{device.name}': address '{device.address}' is not one of usb:, usb:SERIAL, unix:PATH"
+        raise DeviceError(f"{complaint}; correct the device row")
     try:
         from Phidget22.Devices.Spatial import Spatial as OnUsb
         from Phidget22.PhidgetException import PhidgetException
 
         unit = OnUsb()  # loads what is native
     except (ImportError, OSError) as err:
-        said = f"Phidgets' library cannot be used ({err})"
-        raise DeviceError(f"{said}; install lbr with its extra 'phidgets', and the system's libusb-1.0") from err
-    if found[1]:
-        unit.setDeviceSerialNumber(int(found[1]))
+        complaint = f"Phidgets' library cannot be used ({err})"
+        raise DeviceError(f"{complaint}; install lbr with its extra 'phidgets', and the system's libusb-1.0") from err
+    if address[1]:
+        unit.setDeviceSerialNumber(int(address[1]))
     return Opened(unit, (PhidgetException, OSError))
 
 

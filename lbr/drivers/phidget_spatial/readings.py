@@ -1,7 +1,7 @@
 """The readings of the unit, in SI units and by our clock. Pure.
 
-The library counts in g, degrees a second, gauss and milliseconds of the device's own clock; what was not measured is a
-huge number (PUNK_DBL, 1e300).
+The library's units are g, degrees a second, gauss and milliseconds of the device's own clock. A huge number (PUNK_DBL,
+1e300) means not measured.
 """
 
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ _LOST_S = 0.1
 
 
 class Reading(Struct, frozen=True):
-    """One sample as the library gave it, and when it came, by our clock."""
+    """One sample as the library delivered it, with its arrival by our clock."""
 
     accel_g: Sequence[float]
     gyro_dps: Sequence[float]
@@ -30,9 +30,9 @@ class Reading(Struct, frozen=True):
 
 
 class DeviceClock:
-    """Dates samples by the device's regular clock: they come in bursts, and none comes before it was measured.
+    """Dates samples by the device's regular clock: they arrive in bursts, and never before they were measured.
 
-    Quartz differs by some parts in a million, so the offset between the clocks may creep; a jump starts over.
+    Quartz clocks differ by some parts in a million, so the offset may drift slowly; a jump starts it anew.
     """
 
     def __init__(self) -> None:
@@ -41,7 +41,7 @@ class DeviceClock:
         self._last_s = -inf
 
     def date_s(self, reading: Reading) -> float:
-        """Return when a sample was measured by our clock; later than the one before, not after it arrived."""
+        """Return when a sample was measured, by our clock: later than the one before, and not after its arrival."""
         seen_s = reading.arrived_s - reading.device_ms / 1000.0
         if not abs(seen_s - self._offset_s) <= _LOST_S:  # this way round, the first one too
             self._offset_s = seen_s
@@ -55,7 +55,7 @@ class DeviceClock:
 
 
 def sample(reading: Reading, time_s: float, gravity_sign: int) -> ImuSample:
-    """Return a reading as a sample; an invalid one that says why if acceleration or turn rate are missing."""
+    """Return a reading as a sample; without acceleration or turn rate it is invalid, with the reason."""
     accel = scaled(reading.accel_g, gravity_sign * STANDARD_GRAVITY_MPS2)
     gyro = scaled(reading.gyro_dps, RAD_PER_DEG)
     if accel is None or gyro is None:

@@ -14,7 +14,7 @@ from lbr.messages.power import RelayCommand, UpsState
 
 
 class Pico(Capability[PicoSettings]):
-    """Tells where the power comes from about once a second, invalid with a reason where it is not known."""
+    """Publishes the power source about once a second, invalid with a reason if it is unknown."""
 
     def __init__(self, ctx: Context[PicoSettings]) -> None:
         super().__init__(ctx)
@@ -24,7 +24,7 @@ class Pico(Capability[PicoSettings]):
         self._trouble = ""
 
     def open(self) -> None:
-        """Open the bus; whether anybody answers there shows in the first second."""
+        """Open the bus; the first second shows whether the supply answers."""
         device = self.device_row
         bus, address = open_bus(device, STATUS_ADDRESS)
         self._supply = Supply(bus, address, device, self.ctx.settings, self.ctx.clock)
@@ -40,7 +40,7 @@ class Pico(Capability[PicoSettings]):
             self._tell(state)
 
     def command(self, call: Call) -> None:
-        """Switch the relay, and answer once it was read back."""
+        """Switch the relay, and reply once it was read back."""
         if not isinstance(call.message, RelayCommand) or self._supply is None:
             super().command(call)
             return
@@ -57,7 +57,7 @@ class Pico(Capability[PicoSettings]):
         self._supply.switch(answer, on=on)
 
     def degraded(self, reason: str) -> None:
-        """Tell that nothing is known."""
+        """Publish that nothing is known."""
         self._publish(UpsState(valid=False, reason=reason))
 
     def close(self) -> None:
@@ -77,6 +77,6 @@ class Pico(Capability[PicoSettings]):
         self._trouble = trouble
 
     def _publish(self, state: UpsState) -> None:
-        """Publish, and say if it is no hardware: a supply behind a socket."""
+        """Publish the state, marked as emulated if the supply is behind a socket."""
         emulated = not self.device_row.address.startswith("i2c:")
         self.ctx.publish("state", replace(state, emulated=emulated))

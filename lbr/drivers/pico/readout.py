@@ -1,4 +1,4 @@
-"""One look at everything the supply measures: register after register, each tried again, each checked. No I/O."""
+"""One sweep over the supply's registers: each is checked, and read again if it fails. No I/O."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -10,7 +10,7 @@ from lbr.messages.power import UpsState
 
 
 class Item(NamedTuple):
-    """A register to read: what it is to people, where, its size, and how its bits are understood."""
+    """A register to read: its name for people, its address and size, and its decoder."""
 
     name: str
     register: int
@@ -21,7 +21,8 @@ class Item(NamedTuple):
 
 
 def items(settings: PicoSettings, cell: registers.Cell | None) -> tuple[Item, ...]:
-    """Return what is read in one sweep, in order; the running counter comes first and last, `cell` None asks for it."""
+    """Return the registers of a sweep, in order: the running counter first and last, the chemistry only if `cell` is
+    None."""
     temperature = registers.NTC if settings.temperature_sensor == "ntc" else registers.TO92
     ask = () if cell is not None else (Item("chemistry", registers.CHEMISTRY, False, registers.chemistry, False, True),)
     return (
@@ -40,7 +41,7 @@ def items(settings: PicoSettings, cell: registers.Cell | None) -> tuple[Item, ..
 
 @dataclass(slots=True)
 class Readout:
-    """A sweep under way: what comes next, what came, and what did not."""
+    """A sweep in progress: the remaining registers, the values, and the failures."""
 
     items: list[Item]
     retries: int
@@ -51,11 +52,11 @@ class Readout:
 
     @property
     def next(self) -> Item | None:
-        """Return what is to be read now; None: it is over, early if something essential does not come."""
+        """Return the next register; None at the end, which is early if an essential one fails."""
         return self.items[0] if self.items and not self.blind else None
 
     def take(self, bits: int) -> None:
-        """Take in what was read; bits that mean nothing are read again."""
+        """Store a value; undecodable bits are read again."""
         try:
             self.values[self.items[0].name] = self.items[0].decode(bits)
         except MalformedError as err:
@@ -64,7 +65,7 @@ class Readout:
             self._go_on()
 
     def fail(self, why: str) -> None:
-        """Note that reading gave nothing; after the last retry the rest goes on without, unless it is essential."""
+        """Count a failed reading; after the last retry the sweep continues without it, or ends if it is essential."""
         self.tries += 1
         if self.tries > self.retries:
             self.missing[f"{self.items[0].name} (register {self.items[0].register:#04x})"] = why
@@ -72,7 +73,7 @@ class Readout:
             self._go_on()
 
     def state(self, firmware: str, cell: registers.Cell | None, relay_on: int) -> UpsState:
-        """Return what it all says: invalid, with the reason, if anything essential is missing or the supply hangs."""
+        """Return the state: invalid, with the reason, if anything essential is missing or the supply hangs."""
         unread = "; ".join(f"{name} cannot be read: {why}" for name, why in self.missing.items())
         if self.blind:
             return UpsState(valid=False, reason=unread, firmware=firmware)

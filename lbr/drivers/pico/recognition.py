@@ -1,4 +1,4 @@
-"""Recognition of a UPS PIco: by a plausible source and battery voltage; its registers are read, and never written."""
+"""Recognition of a UPS PIco by a plausible source and battery voltage; its registers are only read."""
 
 from lbr.capability.recognition import I2cHandshake, Read, Seen
 from lbr.drivers.pico import registers
@@ -8,7 +8,7 @@ LEAST_V, MOST_V = 1.0, 6.0
 
 
 def seen(read: Read) -> Seen | None:
-    """Return the supply whose numbers are plausible."""
+    """Return the supply, if its numbers are plausible."""
     try:
         source = registers.source(read(registers.MODE, 1)[0])
         battery_v = registers.volts(int.from_bytes(read(registers.BATTERY, 2), "little"))

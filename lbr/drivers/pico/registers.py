@@ -1,4 +1,4 @@
-"""Registers of the UPS PIco HV3.0 and what their bytes mean; no I/O. Source: its manual, firmware 040.
+"""Registers of the UPS PIco HV3.0 and the meaning of their bytes; no I/O. Source: its manual, firmware 040.
 
 Status is read at 0x69, commands go to 0x6B. Voltages are words of four binary-coded decimals, the low byte first, in
 units of 10 mV; temperatures are one byte of two.
@@ -11,7 +11,7 @@ from lbr.messages.power import Supply
 
 STATUS_ADDRESS = 0x69
 COMMANDS_ABOVE = 2
-"""From the status address to that of commands: 0x6B, or 0x5B where the first was moved to 0x59."""
+"""The distance from the status address to the command address: 0x69 to 0x6B, or 0x59 to 0x5B."""
 
 MODE, BATTERY, OUTPUT, EXTERNAL, NTC, TO92, CHARGER, COUNTER, FIRMWARE = (
     0x00,
@@ -25,7 +25,7 @@ MODE, BATTERY, OUTPUT, EXTERNAL, NTC, TO92, CHARGER, COUNTER, FIRMWARE = (
     0x24,
 )
 STILL_ALIVE, CHEMISTRY, RELAY = 0x05, 0x07, 0x0C
-"""These are of the commands; the rest is status."""
+"""The registers of the command address; the others belong to the status address."""
 
 STILL_ALIVE_OFF = 0xFF
 """The value that switches that timer off. 0 would fire it at once, and is never written."""
@@ -35,7 +35,7 @@ _SOURCES: dict[int, Supply] = {1: "external", 2: "battery"}
 
 
 class Cell(NamedTuple):
-    """A chemistry: its name, the volts at which the supply gives up, and how many more it has when full."""
+    """A chemistry: its name, the voltage at which the supply switches off, and the further volts of a full battery."""
 
     name: Literal["lipo", "lifepo4"]
     empty_v: float
@@ -57,7 +57,7 @@ def celsius(byte: int) -> float:
 
 
 def decimal(bits: int) -> int:
-    """Return the number that binary-coded decimals say; raise MalformedError for a digit above nine."""
+    """Return the number in binary-coded decimals; raise MalformedError for a digit above nine."""
     digits = f"{bits:x}"
     if not digits.isdecimal():
         raise MalformedError(f"{bits:#x} is no decimal number")
@@ -65,7 +65,7 @@ def decimal(bits: int) -> int:
 
 
 def source(mode: int) -> Supply:
-    """Return what feeds the computer; bit 7 says something else. Raise MalformedError for what is neither."""
+    """Return the source of the computer's power, without bit 7; raise MalformedError for an unknown one."""
     found = _SOURCES.get(mode & ~_ON_ANOTHER_SOURCE)
     if found is None:
         raise MalformedError(f"{mode:#04x} is neither external supply (1) nor battery (2)")
@@ -73,12 +73,12 @@ def source(mode: int) -> Supply:
 
 
 def charging(byte: int) -> bool:
-    """Return whether the charger is switched on; a full battery takes nothing all the same."""
+    """Return whether the charger is switched on, even if the battery is full."""
     return flag(byte)
 
 
 def flag(byte: int) -> bool:
-    """Return what a byte that is 0 or 1 says; raise MalformedError for any other."""
+    """Return a byte of 0 or 1 as a bool; raise MalformedError for any other."""
     if byte not in {0, 1}:
         raise MalformedError(f"{byte:#04x} is neither 0 nor 1")
     return byte == 1

@@ -1,6 +1,6 @@
 """`python -m lbr.drivers.pico.relay on|off|show`: the power of the motors by the relay of a UPS PIco.
 
-For a unit of systemd, before a robot runs and after. Exit code 0: so it is, and was read back; 1: it is not.
+For a systemd unit, before and after a robot runs. Exit code 0: done, and read back; 1: failed.
 """
 
 import argparse
@@ -18,7 +18,7 @@ PACE_S = 0.1
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Switch or show; a bus that is not there yet, or a supply that does not answer, is tried again for a while."""
+    """Switch or show; retry for a while if the bus is missing or the supply does not answer."""
     asked = _parser().parse_args(arguments)
     device = Device("ups", "pico", asked.address, {})
     until = time.monotonic() + asked.within_s
@@ -57,7 +57,7 @@ def _switched(bus: Bus, address: int, do: str, on_is: int) -> str:
 
 
 def _hopeless(err: OSError) -> bool:
-    """An address that means nothing will mean nothing later."""
+    """Return whether a retry is useless: a malformed address stays malformed."""
     return isinstance(err, DeviceError) and err.__cause__ is None
 
 

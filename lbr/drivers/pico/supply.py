@@ -1,4 +1,4 @@
-"""The supply as a device: one exchange at a time, as far apart as it needs, so that the caller never waits for it."""
+"""The supply as a device: one exchange at a time, spaced as the supply needs, so that the caller never waits for it."""
 
 from collections import deque
 from collections.abc import Callable
@@ -18,10 +18,10 @@ _CELLS = {"lipo": registers.LIPO, "lifepo4": registers.LIFEPO4, "auto": None}
 
 
 class Answer(Protocol):
-    """Told what became of a switched relay: nothing, or why it is not as it should be."""
+    """Receives the result of switching the relay: an empty string, or the error."""
 
     def __call__(self, trouble: str) -> None:
-        """Take it."""
+        """Receive the result."""
 
 
 class Supply:
@@ -44,13 +44,12 @@ class Supply:
         self._sweep = self._begin()
 
     def switch(self, answer: Answer, *, on: bool) -> None:
-        """Have the relay switched and read back, before anything else."""
+        """Queue a switch of the relay, which is read back; it comes before all other exchanges."""
         bits = self._settings.relay_on if on else 1 - self._settings.relay_on
         self._relays.append(RelaySwitch(bits, self._settings.retries, answer))
 
     def exchange(self) -> UpsState | None:
-        """Do one exchange; return the state when a sweep is through. Raise DeviceError if nothing is answered any
-        more."""
+        """Do one exchange; return the state at the end of a sweep. Raise DeviceError if nothing answers any more."""
         if self._sweep.next is None:
             return self._finish()
         try:
@@ -69,7 +68,7 @@ class Supply:
         return None
 
     def close(self) -> None:
-        """Stop the timer, refuse what waits, and close the bus."""
+        """Stop the timer, refuse pending switches, and close the bus."""
         for relay in self._relays:
             relay.answer("the driver is closing; the relay may be either way")
         self._relays.clear()
@@ -77,7 +76,7 @@ class Supply:
             if self._settings.still_alive_s:
                 self._bus.write_byte_data(self._commands, registers.STILL_ALIVE, registers.STILL_ALIVE_OFF)
         except OSError:
-            pass  # it is away; if it runs on, it resets a computer that no longer feeds it, as it was told to
+            pass  # it is away; if it still runs, its timer resets a computer that no longer feeds it
         finally:
             self._bus.close()
 
@@ -112,7 +111,7 @@ class Supply:
         self._feed_at = self._clock() + self._settings.still_alive_s / FED_TIMES
 
     def _switch(self, relay: "RelaySwitch") -> None:
-        """Write, and at the next turn read back; it is bistable, so that writing twice does no harm."""
+        """Write the relay, and read it back in the next turn; it is bistable, so writing twice does no harm."""
         try:
             if relay.written:
                 relay.found = self._bus.read_byte_data(self._commands, registers.RELAY)
@@ -134,7 +133,7 @@ class Supply:
 
 
 class RelaySwitch:
-    """A relay that is being switched."""
+    """A switch of the relay in progress."""
 
     def __init__(self, bits: int, retries: int, answer: Answer) -> None:
         self.bits = bits
@@ -145,7 +144,7 @@ class RelaySwitch:
 
     @property
     def trouble(self) -> str:
-        """Return why it is not as it should be."""
+        """Return the error after the read-back, or an empty string."""
         if self.found == self.bits:
             return ""
         return f"the relay reads {self.found:#04x} after {self.bits} was written; look at the supply"

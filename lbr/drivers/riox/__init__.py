@@ -12,8 +12,8 @@ from lbr.messages.units import Name
 class RioxSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `riox`.
 
-    No manual confirms the scales, which earlier robots used: compare them with a known turn, tilt and field. `echo`:
-    the unit repeats each query, and only what follows counts.
+    No manual confirms the scales, which come from earlier robots: compare them with a known turn, tilt and field.
+    `echo`: the unit repeats each query, and its answer follows the echo.
     """
 
     device: Name

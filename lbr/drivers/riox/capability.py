@@ -1,4 +1,4 @@
-"""The RIOX as a capability: every answer becomes a sample, and so does every answer that did not come."""
+"""The RIOX as a capability: every answer becomes a sample, every missing answer an invalid one."""
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Context
@@ -33,17 +33,17 @@ class Riox(Capability[RioxSettings]):
         self._unit.open()
 
     def step(self) -> None:
-        """Publish what was answered, ask the next."""
+        """Publish the answers, and send the next query."""
         assert self._unit is not None
         for sample in self._unit.poll():
             self.ctx.publish("sample", sample)
 
     def answers(self) -> bool:
-        """Opening the line is not enough: ready is who has measured."""
+        """Return whether it has measured; an open line is not enough."""
         return self._unit is not None and self._unit.measured
 
     def degraded(self, reason: str) -> None:
-        """Tell that nothing is measured."""
+        """Publish that nothing is measured."""
         self.ctx.publish("sample", ImuSample(valid=False, time_s=self.ctx.clock(), reason=reason))
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""The RIOX as a device: asked one thing at a time, without ever waiting for an answer."""
+"""The RIOX as a device: one query at a time, without ever waiting for an answer."""
 
 import time
 from collections.abc import Callable
@@ -26,17 +26,17 @@ from lbr.messages.units import Quaternion
 HELD_UP_S = 0.25
 QUIET_S = 0.03
 SPOILT_S = 0.015
-"""The rest of the time for an answer after a bad line: that was it, or its echo."""
+"""The remaining wait for an answer after a bad line, which was that answer or its echo."""
 MOST_REFUSALS = 3
 
 Tell = Callable[[str, str], None]
 
 
 class AhrsUnit:
-    """One unit on an open line. An answer that is lost is an invalid sample, silence is a DeviceError.
+    """One unit on an open line. A lost answer is an invalid sample, silence is a DeviceError.
 
-    A sample is one answer to `ML`, taken when it was asked for, with the orientation asked for just before.
-    `tell(kind, text)` takes what people should know of; it may come often.
+    A sample is one answer to `ML`, dated by its query, with the orientation queried just before. `tell(kind, text)`
+    publishes warnings; it may be called often.
     """
 
     def __init__(
@@ -58,22 +58,22 @@ class AhrsUnit:
         self._asked = ""
         self._echoed = False
         self._asked_at = self._deadline = self._next = self._quiet_until = 0.0
-        self._polled = self._heard = 0.0
+        self._polled = self._answered_at = 0.0
         self._oriented = settings.orientation
         self._refusals = 0
         self._orientation: Quaternion | None = None
 
     def open(self) -> None:
-        """Begin with a line on which nothing is under way; an answer of before may still be on it."""
+        """Begin with an idle line, after the answers to earlier queries."""
         now = self._clock()
-        self._polled = self._heard = now
+        self._polled = self._answered_at = now
         self._forget(now)
 
     def poll(self) -> list[ImuSample]:
-        """Take in what was answered, ask the next; raise DeviceError once nothing usable came for too long."""
+        """Read the answers, send the next query; raise DeviceError if nothing usable came for too long."""
         now = self._clock()
         if now - self._polled > HELD_UP_S:
-            self._heard = now  # it was this process that was silent
+            self._answered_at = now  # the silence was this process's own
         self._polled = now
         data = self._line.read()
         samples: list[ImuSample] = []
@@ -84,8 +84,8 @@ class AhrsUnit:
             if sample is not None:
                 samples.append(sample)
         if any(sample.valid for sample in samples):
-            self._heard, self.measured = now, True
-        elif not now - self._heard < self._settings.timeout_s:
+            self._answered_at, self.measured = now, True
+        elif not now - self._answered_at < self._settings.timeout_s:
             raise DeviceError(self._silence(now))
         if self._asked and not now < self._deadline:
             samples.append(self._lose(now))
@@ -98,7 +98,7 @@ class AhrsUnit:
         self._line.close()
 
     def _begin(self, now: float) -> None:
-        """Start with the next sample; one that comes too late does not hurry those after it."""
+        """Start the next sample; a late one does not hurry those after it."""
         period = 1.0 / self._settings.rate_hz
         self._next = max(self._next + period, now + period / 2.0)
         self._orientation = None
@@ -107,15 +107,15 @@ class AhrsUnit:
     def _ask(self, name: str) -> None:
         self._asked, self._asked_at, self._echoed = name, self._clock(), False
         self._deadline = self._asked_at + self._settings.answer_s
-        self._line.write(encode_query(name))  # what did not fit is not answered
+        self._line.write(encode_query(name))  # a query that did not fit gets no answer
 
     def _take(self, reply: Reply) -> ImuSample | None:
         match reply:
             case BadLine():
                 self.bad_lines += 1
                 self._deadline = min(self._deadline, self._polled + SPOILT_S)
-                said = f"{self.bad_lines} lines from the inertial unit were no answers"
-                self._tell("bad_lines", f"{said}; the last began with '{reply.text}'")
+                complaint = f"{self.bad_lines} lines from the inertial unit were no answers"
+                self._tell("bad_lines", f"{complaint}; the last began with '{reply.text}'")
             case Echo(name):
                 self._echoed = self._echoed or name == self._asked
             case Answer(name) if name == self._asked and self._counts:
@@ -123,7 +123,7 @@ class AhrsUnit:
             case Refused() if self._asked and self._counts:
                 return self._refused()
             case _:
-                pass  # of a query that was given up
+                pass  # the answer to a query that was given up
         return None
 
     @property
@@ -163,7 +163,7 @@ class AhrsUnit:
         return None
 
     def _lose(self, now: float) -> ImuSample:
-        """Nothing tells a late answer from the next one, so let the line fall quiet first."""
+        """Give up the answer, and first wait for a quiet line: a late answer looks like the next one."""
         lost, at = self._asked, self._asked_at
         self._forget(now)
         if not self.measured:
@@ -178,11 +178,11 @@ class AhrsUnit:
         self._parser.reset()
 
     def _invalid(self, at: float, reason: str) -> ImuSample:
-        said = f"device '{self._settings.device}': {reason}"
-        self._tell("unusable", said)
-        return ImuSample(valid=False, time_s=at, reason=said)
+        complaint = f"device '{self._settings.device}': {reason}"
+        self._tell("unusable", complaint)
+        return ImuSample(valid=False, time_s=at, reason=complaint)
 
     def _silence(self, now: float) -> str:
-        said = f"device '{self._settings.device}': nothing usable for {now - self._heard:.1f} s"
+        complaint = f"device '{self._settings.device}': nothing usable for {now - self._answered_at:.1f} s"
         heard = f", but {self.bad_lines} lines that are not answers" if self.bad_lines else ""
-        return f"{said}{heard}; check its cable, power and the setting `baud`"
+        return f"{complaint}{heard}; check its cable, power and the setting `baud`"

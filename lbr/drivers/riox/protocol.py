@@ -26,19 +26,19 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Echo:
-    """A query as the unit repeats it."""
+    """A query, repeated by the unit."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
 class Refused:
-    """The unit does not know what it was asked."""
+    """The unit refused a query as unknown."""
 
 
 @dataclass(frozen=True, slots=True)
 class BadLine:
-    """A line that is nothing of these; `text` is its beginning."""
+    """A line of none of these forms; `text` is its beginning."""
 
     text: str
 
@@ -47,7 +47,7 @@ Reply = Answer | Echo | Refused | BadLine
 
 
 class ReplyParser:
-    """Turns bytes, in pieces of any size, into replies; whatever comes, it holds at most one line."""
+    """Turns bytes, in pieces of any size, into replies; it holds at most one line."""
 
     def __init__(self) -> None:
         self._lines = LineSplitter(rb"[\r\n]", MAX_LINE_BYTES)
@@ -57,7 +57,7 @@ class ReplyParser:
         return [_parse(line) for line in self._lines.feed(data) if line.data.strip()]
 
     def reset(self) -> None:
-        """Forget a line begun."""
+        """Forget the unfinished line."""
         self._lines.reset()
 
     @property
@@ -89,7 +89,7 @@ def to_sample(motion: Answer, orientation: Quaternion | None, time_s: float, set
 
 
 def to_orientation(answer: Answer, divisor: float) -> Quaternion | None:
-    """Return an answer to `QO` at length 1; None if it was not nearly this long, and thus is not an orientation."""
+    """Return an answer to `QO` at length 1; None if its length is too far from `divisor`, so that it is no orientation."""
     w, x, y, z = answer.counts
     length = hypot(w, x, y, z)
     if not abs(length / divisor - 1.0) <= LENGTH_TOLERANCE:

@@ -45,7 +45,7 @@ class RoboteqSettings(WheelsSettings, frozen=True, kw_only=True, forbid_unknown_
     baud: Baud = 115200
 
     def __post_init__(self) -> None:
-        """Refuse wheels that share a channel, and tolerance for what must stop the robot."""
+        """Refuse wheels that share a channel, and tolerance of a fault that must stop the robot."""
         if self.left.channel == self.right.channel:
             raise ValueError(f"left and right both use channel {self.left.channel}; give each wheel its own")
         if "emergency_stop" in self.tolerated_faults:
@@ -57,7 +57,8 @@ class RoboteqSettings(WheelsSettings, frozen=True, kw_only=True, forbid_unknown_
                 raise ValueError(f"{field} is not a regular expression: {err}") from err
 
     def doubts(self) -> tuple[str, ...]:
-        """Return what is allowed and mostly wrong: motors that face each other turn the wheels opposite ways."""
+        """Return warnings about settings that are allowed but usually wrong: motors mounted mirrored need opposite
+        directions."""
         if self.left.direction != self.right.direction:
             return ()
         text = (

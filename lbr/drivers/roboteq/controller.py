@@ -1,4 +1,4 @@
-"""The controller as a device: brought up in a safe order, driven one command at a time, stopped whatever comes."""
+"""The controller as a device: started in a safe order, driven one command at a time, stopped in every case."""
 
 import re
 from collections.abc import Callable
@@ -28,7 +28,7 @@ ROTATION: tuple[bytes, ...] = (
 class Controller:
     """One Roboteq on an open line. Every problem with it is a DeviceError with its cure.
 
-    `turning` from before a power is written until zero was acknowledged; `beat` is called before everything written.
+    `turning` is true from before a power is written until zero is acknowledged. `beat` is called before every write.
     """
 
     def __init__(
@@ -60,7 +60,7 @@ class Controller:
         self._known = False
 
     def open(self) -> None:
-        """Identify it, write zero, then set and read back what safety rests on."""
+        """Identify it, write zero, then write the settings on which safety rests and read them back."""
         self._line.drop_output()
         self._line.drop_input()
         self._identify()
@@ -114,17 +114,17 @@ class Controller:
 
     @property
     def guard_stop(self) -> GuardStop:
-        """Return what its guard writes to stop it."""
+        """Return the bytes that its guard writes to stop it."""
         return GuardStop(wire.STOP, wire.ACKNOWLEDGED)
 
     @property
     def faults(self) -> tuple[str, ...] | None:
-        """Names of the fault bits set; None: not known."""
+        """Names of the set fault bits; None if unknown."""
         return self.telemetry.faults
 
     @property
     def grave(self) -> tuple[str, ...]:
-        """Names of the fault bits set that the row does not tolerate."""
+        """Names of the set fault bits that the row does not tolerate."""
         return tuple(name for name in self.faults or () if name not in self._settings.tolerated_faults)
 
     def faults_after(self, when: float) -> tuple[str, ...] | None:
@@ -132,11 +132,11 @@ class Controller:
         return self.telemetry.faults_after(when)
 
     def measured(self) -> Measured:
-        """Return what was measured last, for as long as that can be believed."""
+        """Return the last measurements, as long as they are fresh enough."""
         return self.telemetry.measured()
 
     def poll(self) -> None:
-        """Ask for the next value of the rotation, if no answer is due."""
+        """Send the next query of the rotation, if no answer is due."""
         if not self._settle(0.0):
             return
         query = ROTATION[self._turn % len(ROTATION)]
@@ -154,7 +154,7 @@ class Controller:
         try:
             return not self._known or self._zeroed()
         except DeviceError:
-            return True  # the line is gone, for everyone who holds it
+            return True  # the line is gone, for its other holders too
         finally:
             self._line.close()
 
@@ -198,7 +198,7 @@ class Controller:
             raise DeviceError(self._sentence(f"answers ~{name} with {said}, expected {expected} ({meaning})"))
 
     def _ask(self, query: bytes, tries: int) -> Outcome | None:
-        """A first question may end a line that was left half written, and be refused with it."""
+        """Query, several times: the first may end a half-written line, and be refused with it."""
         for _ in range(tries):
             self._send(query, SETUP_TIMEOUT_S)
             outcome = self._exchange.wait(SETUP_TIMEOUT_S * 2)
@@ -208,7 +208,7 @@ class Controller:
         return None
 
     def _urgent(self, command: bytes, timeout_s: float | None = None) -> bool:
-        """Write a command, shortly after the one under way at the latest; return whether it was acknowledged."""
+        """Write a command, after the one in progress if that ends soon; return whether it was acknowledged."""
         self._line.drop_output()
         limit = self._settings.reply_timeout_s if timeout_s is None else timeout_s
         if self._exchange.busy:
@@ -227,7 +227,7 @@ class Controller:
         self._exchange.send(command, self._settings.reply_timeout_s if timeout_s is None else timeout_s)
 
     def _settle(self, budget_s: float) -> bool:
-        """Finish what is under way, within the budget; return whether the line is free."""
+        """Wait for the exchange in progress, within the budget; return whether the line is free."""
         outcome = self._exchange.wait(budget_s)
         if outcome is not None:
             self._note(outcome)
@@ -235,7 +235,8 @@ class Controller:
         return not self._exchange.busy
 
     def _responds(self) -> bool:
-        """After a lost answer ask something harmless first: commands must not pile up before a deaf controller."""
+        """Return whether it answers; after a lost answer query it first, so that commands do not pile up at a deaf
+        controller."""
         if self._lost_in_a_row:
             self._send(wire.query("FF"))
             self._settle(PATIENCE_S)
@@ -280,7 +281,7 @@ class Controller:
         latched = EMERGENCY_STOP in (self.telemetry.faults or ())
         if self._refused_in_a_row >= REFUSED_IN_A_ROW and not latched:
             raise DeviceError(self._sentence(f"refused {self._refused_in_a_row} commands in a row; check its set-up"))
-        if self._foreign_watchdogs >= 2:  # one alone may be a misread digit
+        if self._foreign_watchdogs >= 2:  # a single one may be a misread digit
             found, expected = self.telemetry.watchdog_ms, self._settings.watchdog_ms
             raise DeviceError(self._sentence(f"has a watchdog of {found} ms, expected {expected}: was reset"))
 
@@ -312,7 +313,7 @@ class Controller:
 
 
 def wire_value(power: float, wheel: Wheel) -> int:
-    """Return what goes to a wheel's channel for a power, forward positive; the last limit before the wire."""
+    """Return the number for a wheel's channel at a power, forward positive; the last limit before the wire."""
     if not isfinite(power):
         return 0
     limited = max(-wheel.max_power, min(wheel.max_power, power * wheel.trim))

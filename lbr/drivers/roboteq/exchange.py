@@ -29,12 +29,12 @@ class Outcome:
 class Exchange:
     """Sends a command and finds its answer, whether the controller echoes or not.
 
-    Answers carry no number. With the echo on, an answer counts only after the echo of its own command; without it,
-    an answer that may still come for a command given up as lost is never taken for the next one's.
+    Answers carry no number. With the echo on, an answer counts only after the echo of its own command. Without it, a
+    late answer to a command given up as lost is never mistaken for the answer to the next.
     """
 
     def __init__(self, line: Line, clock: Callable[[], float]) -> None:
-        self.babble_bytes = 0  # heard since an answer was last understood
+        self.babble_bytes = 0  # since the last valid answer
         self._line = line
         self._clock = clock
         self._parser = ReplyParser()
@@ -50,21 +50,21 @@ class Exchange:
         return bool(self._command)
 
     def learn_echo(self) -> None:
-        """Find out from the next value answered whether the controller echoes."""
+        """Find out by the next answered value whether the controller echoes."""
         self._echoes = None
 
     def send(self, command: bytes, timeout_s: float) -> None:
-        """Write a command whose answer is lost after `timeout_s`; nothing else may be under way."""
+        """Write a command whose answer is lost after `timeout_s`; no other may be in progress."""
         assert not self.busy
         self._command = command
         self._echoed = False
         self._deadline = self._clock() + timeout_s
-        self._line.write(command)  # what did not fit is answered with `-` or not at all
+        self._line.write(command)  # a command that did not fit is answered with `-` or not at all
 
     def wait(self, budget_s: float) -> Outcome | None:
-        """Return how the exchange ended, waiting `budget_s` at most; None while its answer is still due.
+        """Return the outcome, waiting `budget_s` at most; None while the answer is still due.
 
-        A line that never falls silent ends it no later than one that is.
+        Input without a pause does not extend the wait.
         """
         until = self._clock() + budget_s
         while self.busy:
@@ -80,7 +80,7 @@ class Exchange:
         return None
 
     def finish(self, budget_s: float) -> Outcome:
-        """Return how the exchange under way ended; what is not answered within `budget_s` is lost."""
+        """Return the outcome of the exchange in progress; it is lost if not answered within `budget_s`."""
         assert self.busy
         return self.wait(budget_s) or self._lose()
 
@@ -102,7 +102,7 @@ class Exchange:
         return None
 
     def _answered(self, value: Value) -> Outcome:
-        """Answers keep their order, so nothing older is still to come."""
+        """End the exchange with a value; answers keep their order, so none older can follow."""
         if self._echoes is None:
             self._echoes = self._echoed
         self._owed = 0

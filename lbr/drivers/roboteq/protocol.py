@@ -43,7 +43,7 @@ class Value:
 
 @dataclass(frozen=True, slots=True)
 class Noise:
-    """A line that means nothing; `text` is its beginning."""
+    """An unknown line; `text` is its beginning."""
 
     text: str
 
@@ -72,12 +72,12 @@ def write_setting(name: str, value: int) -> bytes:
 
 
 def is_inertial_unit(identity: str) -> bool:
-    """Return whether a firmware or model is that of a RIOX, which speaks the same language and drives no motor."""
+    """Return whether a firmware or model is that of a RIOX, which speaks the same language but drives no motor."""
     return "riox" in identity.lower()
 
 
 class ReplyParser:
-    """Turns bytes, in pieces of any size, into replies; whatever comes, it holds at most one line."""
+    """Turns bytes, in pieces of any size, into replies; it holds at most one line."""
 
     def __init__(self) -> None:
         self._lines = LineSplitter(rb"[\r\n]", MAX_LINE_BYTES)
@@ -96,7 +96,7 @@ class ReplyParser:
 
 
 def parse_line(line: bytes) -> list[Reply]:
-    """Return what one line holds: nothing, a reply, or an echo and the reply that ran into it."""
+    """Return the content of one line: nothing, a reply, or an echo joined with its reply."""
     line = line.strip(b" \t\x00")
     if not line:
         return []

@@ -1,5 +1,4 @@
-"""The meaning of the controller's answers, in SI units; None stands for one that was not understood, never a made-up
-number."""
+"""The meaning of the controller's answers, in SI units; None replaces every value that was not understood."""
 
 import re
 from typing import get_args
@@ -7,11 +6,11 @@ from typing import get_args
 from lbr.drivers.roboteq import FaultName
 
 FAULT_BITS: tuple[str, ...] = get_args(FaultName)
-"""Names of the bits that `?FF` answers with, from the lowest."""
+"""Names of the bits in the answer to `?FF`, from the lowest."""
 
 
 def volts(text: str) -> tuple[float | None, float | None, float | None]:
-    """Return what `?V` answers: the controller's own supply, the battery, and the 5 V output."""
+    """Return the answer to `?V`: the controller's own supply, the battery, and the 5 V output."""
     numbers = _numbers(text)
     if len(numbers) != 3:
         return None, None, None
@@ -20,23 +19,23 @@ def volts(text: str) -> tuple[float | None, float | None, float | None]:
 
 
 def amps(text: str) -> tuple[float | None, ...]:
-    """Return what `?A` answers: signed amperes of each channel."""
+    """Return the answer to `?A`: signed amperes of each channel."""
     return tuple(_scaled(number, 0.1, _MOTOR_A) for number in _numbers(text))
 
 
 def counts(text: str) -> tuple[int | None, ...]:
-    """Return what `?C` answers: a whole number for each channel."""
+    """Return the answer to `?C`: a whole number for each channel."""
     return tuple(n if n is not None and -(2**31) <= n < 2**31 else None for n in _numbers(text))
 
 
 def hottest_c(text: str) -> float | None:
-    """Return the highest of what `?T` answers: the processor, then the heat sink of each channel."""
+    """Return the highest temperature in the answer to `?T`: the processor, then the heat sink of each channel."""
     temperatures = (_scaled(number, 1.0, _HEAT_C) for number in _numbers(text))
     return max((celsius for celsius in temperatures if celsius is not None), default=None)
 
 
 def faults(text: str) -> tuple[str, ...] | None:
-    """Return the names of the bits set, as `?FF` answers; None: not understood."""
+    """Return the names of the set bits in the answer to `?FF`; None if it was not understood."""
     numbers = _numbers(text)
     if len(numbers) != 1 or numbers[0] is None or numbers[0] < 0:
         return None
@@ -47,7 +46,7 @@ def faults(text: str) -> tuple[str, ...] | None:
 
 
 def setting(text: str) -> int | None:
-    """Return a setting, as `~RWD` or `~MXMD` answer; one that answers for each channel counts only if all agree."""
+    """Return a setting, the answer to `~RWD` or `~MXMD`; with a value for each channel, only if all agree."""
     numbers = set(_numbers(text))
     return numbers.pop() if len(numbers) == 1 else None
 
@@ -57,7 +56,7 @@ def _numbers(text: str) -> tuple[int | None, ...]:
 
 
 def _scaled(number: int | None, unit: float, bounds: tuple[float, float]) -> float | None:
-    """A value that no controller of this family can measure is a misread digit, and not measured."""
+    """Scale a number; None if no controller of this family can measure it, so that it is a misread digit."""
     value = None if number is None else round(number * unit, 4)
     return value if value is not None and bounds[0] <= value <= bounds[1] else None
 

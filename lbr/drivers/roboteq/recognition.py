@@ -1,13 +1,13 @@
-"""Recognition of a Roboteq: by the answer to `?FID`, its firmware; `~` and `!` are never sent."""
+"""Recognition of a Roboteq by its firmware, the answer to `?FID`; `~` and `!` are never sent."""
 
 from lbr.capability.recognition import Seen, SerialHandshake
 from lbr.drivers.roboteq import protocol as wire
 from lbr.drivers.roboteq.protocol import ReplyParser, Value
 
 
-def seen(heard: bytes) -> Seen | None:
-    """Return the motor controller whose firmware answers; an inertial unit of the same maker is another kind's."""
-    for reply in ReplyParser().feed(heard):
+def seen(stream: bytes) -> Seen | None:
+    """Return the motor controller with that firmware; an inertial unit of the same maker is another kind's."""
+    for reply in ReplyParser().feed(stream):
         if isinstance(reply, Value) and reply.name == "FID" and "roboteq" in reply.text.lower():
             return None if wire.is_inertial_unit(reply.text) else Seen(what=f"Roboteq motor controller, {reply.text}")
     return None

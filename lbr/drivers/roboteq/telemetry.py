@@ -1,4 +1,4 @@
-"""The controller's last measurements, for as long as they can be believed."""
+"""The controller's last measurements, as long as they are fresh enough."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -8,11 +8,11 @@ from lbr.drivers.roboteq.protocol import Value
 from lbr.drivers.wheels.contract import Measured
 
 BELIEVED_S, SLOW_BELIEVED_S = 1.0, 2.5
-"""Voltage, temperature and settings are asked for once a second at rest."""
+"""The greatest ages. Voltage, temperature and settings are queried once a second at rest."""
 
 
 class Telemetry:
-    """The newest answer to each query; one that is too old is an empty one, and means that nothing was measured."""
+    """The newest answer to each query; an answer that is too old becomes empty, which means not measured."""
 
     def __init__(self, settings: RoboteqSettings, clock: Callable[[], float]) -> None:
         self._left = settings.left
@@ -21,16 +21,16 @@ class Telemetry:
         self._newest: dict[str, tuple[str, float]] = {}
 
     def take(self, value: Value) -> None:
-        """Remember an answer."""
+        """Store an answer."""
         self._newest[value.name] = (value.text, self._clock())
 
     def forget_faults(self) -> None:
-        """Wait for fault bits again."""
+        """Discard the fault bits until they are read again."""
         self._newest.pop("FF", None)
 
     @property
     def faults(self) -> tuple[str, ...] | None:
-        """Names of the fault bits set; None: not known."""
+        """Names of the set fault bits; None if unknown."""
         return readings.faults(self._believed("FF"))
 
     def faults_after(self, when: float) -> tuple[str, ...] | None:

@@ -1,7 +1,7 @@
 """The common part of drivers of servo buses: settings, kind, the gate for setpoints, torque, guard, slow release.
 
-Servos whose torque, goal and limits can be read back, which most can, need three things of a driver, in a package of
-its own: the bus, what its numbers mean, and a program that releases them after the driver's death:
+Most servos report their torque, goal and limits. A driver of such servos needs three things in a package of its own:
+the bus, the units of its numbers, and a program that releases the servos after its death.
 
     class StsSettings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
         on_estop: Literal["hold", "release"] = "hold"
@@ -13,7 +13,7 @@ its own: the bus, what its numbers mean, and a program that releases them after 
             line = open_servo_line(device, self.ctx.settings.baud, MARGIN_S)
             return ServoLink(bus=StsBus(line, urgent=urgent), model=StsModel(), guard=…, recovery=…)
 
-`contract` says what bus and model do. See docs/servo_drivers.md.
+`contract` describes the bus and the model. See docs/servo_drivers.md.
 """
 
 from collections.abc import Mapping
@@ -89,7 +89,7 @@ def servos_kind(
     replies: Mapping[str, type[Struct]] = NO_PORTS,
     words: tuple[Word, ...] = (),
 ) -> Kind:
-    """Return the kind of a driver of servos; its device rows are of type `device`, which is its name unless said."""
+    """Return the kind of a driver of servos; its device rows are of type `device`, by default its name."""
     return Kind(
         name=name,
         summary=summary,

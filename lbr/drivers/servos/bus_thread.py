@@ -1,10 +1,11 @@
-"""The one thread that owns a servo bus: whatever has to be said waits in line, stops first, then writes, then reads.
+"""The one thread that owns a servo bus: jobs queue for it, stops first, then writes, then reads.
 
-    thread = BusThread(bus, background)   # background: one transaction of the poller; returns the seconds until the next
+    thread = BusThread(bus, background)
     thread.start()
     thread.submit(lambda bus: bus.put(1, table.LED, 1), WRITE).result()
 
-A job is one transaction or a few; a stop is on the wire as soon as the job under way has ended.
+`background` does one transaction of the poller and returns the seconds until the next. A job is one transaction or a
+few; a stop is on the wire as soon as the current job has ended.
 """
 
 import threading
@@ -19,7 +20,7 @@ _Jobs = dict[object, tuple[Callable[[Any], object], "Future[object]"]]
 
 
 class BusThread(Generic[Bus]):
-    """Runs jobs in their order and the background between them. An error of the line ends the thread: see `failure`."""
+    """Runs jobs by priority, and the background between them. An error of the line ends the thread: see `failure`."""
 
     def __init__(self, bus: Bus, background: Callable[[Bus], float] = lambda _bus: 60.0) -> None:
         self.failure: Exception | None = None
@@ -31,11 +32,11 @@ class BusThread(Generic[Bus]):
         self._thread = threading.Thread(target=self._run, name="servo bus", daemon=True)
 
     def start(self) -> None:
-        """Begin."""
+        """Start the thread."""
         self._thread.start()
 
     def submit(self, job: Callable[[Bus], T], priority: int, key: object = None) -> "Future[T]":
-        """Have a job done; from any thread. One with a key takes the place of one that still waits under it."""
+        """Queue a job, from any thread; a job with a key replaces a waiting job with the same key."""
         future: Future[T] = Future()
         with self._changed:
             if self._ending or self.failure is not None:
@@ -49,7 +50,7 @@ class BusThread(Generic[Bus]):
         return future
 
     def urgent(self) -> bool:
-        """Return whether a stop waits; the bus asks that while it listens."""
+        """Return whether a stop waits; the bus checks it while it waits for an answer."""
         return bool(self._jobs[STOP]) or self._ending
 
     def waiting(self, priority: int) -> bool:
@@ -57,7 +58,7 @@ class BusThread(Generic[Bus]):
         return bool(self._jobs[priority])
 
     def join(self, within_s: float) -> bool:
-        """Do what still waits, then end; say whether that was possible."""
+        """Do the waiting jobs, then end the thread; return whether it ended in time."""
         with self._changed:
             self._ending = True
             self._changed.notify()
@@ -66,8 +67,8 @@ class BusThread(Generic[Bus]):
         return not self._thread.is_alive()
 
     def turn(self, wait_s: float = 0.0) -> float | None:
-        """Do the next job that comes in this time, else the background's turn; return how long that has, None: the
-        end."""
+        """Do the next job that arrives in this time, else the background's turn; return the seconds to its next, None
+        at the end."""
         taken = self._next(wait_s)
         if taken is not None:
             self._do(*taken)
@@ -83,7 +84,7 @@ class BusThread(Generic[Bus]):
             self._fail(err)
 
     def _next(self, wait_s: float) -> tuple[Callable[[Bus], object], "Future[object]"] | None:
-        """Return the next job, or None when it is the background's turn."""
+        """Return the next job, or None for the background's turn."""
         if not any(self._jobs) and not wait_s > 0.0 and not self._ending:
             return None
         with self._changed:

@@ -1,5 +1,4 @@
-"""A line of servos as a capability: setpoints in, coherent states out, and the last word on whether a servo has
-torque."""
+"""A line of servos as a capability: setpoints in, coherent states out, and the final decision about torque."""
 
 import queue
 import sys
@@ -20,14 +19,14 @@ from lbr.messages.joints import Joint
 from lbr.messages.servos import BusStatistics, ServoPhase, ServoSetpoint, ServosState, ServoState
 
 SWITCH_S = 1e-4
-"""The loop's thread may keep the bus's thread waiting no longer than this."""
+"""The longest time for which the loop's thread may delay the bus's thread."""
 PUBLISH_S = 0.1
 RATE_HZ, REST_HZ = 100.0, 10.0
 BEATS = 4
-"""The rounds at rest within the silence after which a guard kills its driver."""
+"""The number of beats, at rest, within the silence after which a guard kills its driver."""
 NAMED = 3
 LOST_S = 1.0
-"""A sender may stumble for this long before that is told. Chosen, not measured: ten times the life of a setpoint."""
+"""The time before the loss of a sender is reported. Chosen, not measured: ten times the life of a setpoint."""
 S = TypeVar("S", bound=ServosSettings)
 
 
@@ -35,7 +34,7 @@ T = TypeVar("T", bound=Session[Any, Any])
 
 
 class Measured(NamedTuple):
-    """One coherent look at all servos, as their state publishes it; `sweep` is 0 before the first."""
+    """One coherent reading of all servos, as their state publishes it; `sweep` is 0 before the first."""
 
     sweep: int
     ended: float
@@ -44,15 +43,15 @@ class Measured(NamedTuple):
 
 
 class Servos(Capability[S], ABC, Generic[S, T]):
-    """Applies fresh setpoints to the servos that the rows name; in every doubt they hold, and are released slowly.
+    """Applies fresh setpoints to the rows' servos; in every doubt they hold, and are then released slowly.
 
-    The common behaviour of all drivers of servos. `RegisterServos` has the rest for servos whose registers can be read
-    back; a driver of others fills the abstract methods itself.
+    The common behaviour of all drivers of servos. `RegisterServos` adds the rest for servos whose registers can be read
+    back; a driver of others implements the abstract methods itself.
     """
 
     rate_hz = RATE_HZ
     warn_every_s = 0.0
-    """A warning that changes is told so rarely."""
+    """The least time between two changes of a warning."""
 
     def __init__(self, ctx: Context[S]) -> None:
         super().__init__(ctx)
@@ -60,38 +59,38 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         self._gate = first(ctx.clock())
         self._valid_s = ctx.settings.setpoint_valid_s
         self._session: T | None = None
-        self._told: queue.SimpleQueue[tuple[str, str, str]] = queue.SimpleQueue()
+        self._events: queue.SimpleQueue[tuple[str, str, str]] = queue.SimpleQueue()
         self._left_on = self._lost = False
         self._published = self._warned_at = -inf
-        self._shown: tuple[object, ...] = ()
+        self._published_key: tuple[object, ...] = ()
         self._warned: str | None = None
 
     @abstractmethod
     def connected(self, device: Device, servos: list[int]) -> T:
-        """Open the line of a device row for these servos; nothing is switched on, and nothing moves."""
+        """Open the line of a device row for these servos; switch nothing on, and move nothing."""
 
     @abstractmethod
     def act(self, session: T, now: float) -> None:
-        """Tell the servos what follows from `self._gate` and the emergency stop, and acknowledge that."""
+        """Send the servos their orders by `self._gate` and the emergency stop, and acknowledge that stop."""
 
     @abstractmethod
     def measured(self, session: T, now: float) -> Measured:
-        """Return what is known of all servos."""
+        """Return the known values of all servos."""
 
     @abstractmethod
     def state_key(self, session: T, now: float) -> tuple[object, ...]:
-        """Return all that is to be published at once when it changes."""
+        """Return the values whose change is published at once."""
 
     @abstractmethod
     def unusable(self, session: T) -> str:
-        """Say which servos cannot be used, or nothing."""
+        """Return a sentence about the servos that cannot be used, or an empty string."""
 
     @abstractmethod
     def refuse_waiting(self, reason: str) -> None:
         """Refuse the commands that wait for the line."""
 
     def open(self) -> None:
-        """Open the line and begin to look for the servos; nothing is switched on, and nothing moves."""
+        """Open the line and begin to search for the servos; switch nothing on, and move nothing."""
         settings = self.ctx.settings
         device = self.device_row
         if not self._joints:
@@ -102,7 +101,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         self._warned, self._warned_at = None, -inf
 
     def step(self) -> None:
-        """Decide, tell the servos what follows, answer, and tell the others."""
+        """Decide, send orders to the servos, answer commands, and publish."""
         session = self._session
         assert session is not None
         self.hear(session)
@@ -128,31 +127,30 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         self.rate_hz = min(RATE_HZ, resting_hz) if session.rest.lasts else RATE_HZ
 
     def hear(self, session: T) -> None:
-        """Take in what the line said of itself."""
+        """Process the line's reports about itself."""
 
     def check(self, session: T, now: float) -> None:
-        """Raise what ends the session."""
+        """Raise the errors that end the session."""
 
     def answer(self, session: T) -> None:
-        """Answer the commands that waited for the line."""
+        """Answer the commands whose transactions are done."""
 
     def answers(self) -> bool:
         """Return whether the line answers."""
         return self._session is not None and self._session.answers
 
     def known(self) -> bool:
-        """Return whether it is known which servos have torque."""
+        """Return whether the torque of every servo is known."""
         return True
 
     def admit(self, setpoint: ServoSetpoint, arrived: float, now: float) -> None:
-        """Have the gate judge a setpoint of the wired source."""
+        """Pass a setpoint of the wired source to the gate."""
         before, valid_s = self._gate, self.ctx.settings.setpoint_valid_s
         self._gate = receive(before, setpoint, arrived, now, valid_s)
         self.believe(before)
 
     def believe(self, before: ServoGate) -> None:
-        """Believe a setpoint that was let in for longer, if it wants nothing of servos at rest that the one `before`
-        did not."""
+        """Extend the life of an admitted setpoint if it repeats `before` for servos at rest; otherwise end their rest."""
         session, gate, valid_s = self._session, self._gate, self.ctx.settings.setpoint_valid_s
         if gate is before or session is None:
             return
@@ -164,15 +162,14 @@ class Servos(Capability[S], ABC, Generic[S, T]):
             session.rest.stir()
 
     def degraded(self, reason: str) -> None:
-        """Tell that the line is away."""
+        """Publish that the line is away."""
         if self.ctx.estop.engaged:
             self.ctx.estop.acknowledge(stopped=False, reason=reason)
         self.refuse_waiting(reason)
         self._publish(None, reason)
 
     def close(self) -> None:
-        """Have the servos hold, or let them go, as the row says; then close the line. Servos with torque are the
-        guard's."""
+        """Make the servos hold or release, by the row, and close the line; the guard keeps servos with torque."""
         session, self._session = self._session, None
         if session is not None:
             self._left_on = session.turning
@@ -184,15 +181,15 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         return f"{what} {some}" + (f" and {len(servos) - NAMED} more" if len(servos) > NAMED else "")
 
     def tell(self, kind: str, text: str, level: str) -> None:
-        """Keep an event for the loop's thread; from any thread."""
-        self._told.put((kind, text, level))
+        """Queue an event for the loop's thread; from any thread."""
+        self._events.put((kind, text, level))
 
     def phase(self, session: T | None, now: float) -> ServoPhase:
-        """Return what the servos do."""
+        """Return the phase of the servos."""
         return "released" if session is None or not session.turning else self.energised_phase(now)
 
     def energised_phase(self, now: float) -> ServoPhase:
-        """Return what servos do that have torque."""
+        """Return the phase of servos with torque."""
         if self._gate.follows:
             return "following"
         return "releasing" if self._strength(now) < 1.0 else "holding"
@@ -224,7 +221,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         return strength(self._gate, now, self.ctx.settings.hold_s, self.ctx.settings.release_s)
 
     def _tell_of_loss(self, session: T, now: float) -> None:
-        """Tell what becomes of servos that have no sender any more, and when it has."""
+        """Publish that servos lost their sender, and later that they were released."""
         since, settings = self._gate.lost_since, self.ctx.settings
         if since is None:
             self._lost = False
@@ -238,8 +235,8 @@ class Servos(Capability[S], ABC, Generic[S, T]):
             self.ctx.event("let_go", "the servos had no sender for too long: they have no torque now", level="warning")
 
     def _report(self, session: T, now: float) -> None:
-        while not self._told.empty():
-            kind, text, level = self._told.get()
+        while not self._events.empty():
+            kind, text, level = self._events.get()
             self.ctx.event(kind, text, level=level)
         wrong = self.unusable(session)
         usable = self.answers() and not self.lacks()
@@ -252,16 +249,16 @@ class Servos(Capability[S], ABC, Generic[S, T]):
 
     def _publish_when_due(self, session: T, now: float) -> None:
         key = self.state_key(session, now)
-        if key != self._shown or now - self._published >= PUBLISH_S:
-            before, self._shown = self._shown, key
+        if key != self._published_key or now - self._published >= PUBLISH_S:
+            before, self._published_key = self._published_key, key
             self._publish(session)
             self.published(session, before, now)
 
     def published(self, session: T, before: tuple[object, ...], now: float) -> None:
-        """Publish what follows a state; `before` is what was shown until then."""
+        """Publish what depends on a state; `before` is the last published key."""
 
     def _publish(self, session: T | None, away: str = "") -> None:
-        """Publish one coherent look at all servos, or that the line is away."""
+        """Publish one coherent reading of all servos, or that the line is away."""
         now = self._published = self.ctx.clock()
         if session is None:
             phase: ServoPhase = "holding" if self._left_on else "released"
@@ -284,12 +281,12 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         self.ctx.publish("state", state)
 
     def inhibited(self) -> str:
-        """Say why no setpoint would be applied, or nothing."""
+        """Return why a setpoint would not be applied now, or an empty string."""
         absence = self._without_sender()
         return (self._gate.reason or absence) if self._gate.estop or absence else ""
 
     def common_state(self) -> dict[str, Any]:
-        """Return the fields of a state that are there without a line, too."""
+        """Return the fields of a state that need no line."""
         device = self.ctx.device if self._session is not None else None
         heard = device.tap.heard if device is not None else None
         return {"estop": self.ctx.estop.engaged, "halt": self._gate.halt or 0, "heard": heard}

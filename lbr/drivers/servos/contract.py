@@ -1,7 +1,7 @@
-"""The duties of a bus of servos for the capability that drives it, and the facts known of each servo.
+"""The contract between a servo bus and the capability that drives it, and the known values of each servo.
 
-Positions, speeds and torque limits are the servo's own whole numbers here: what was written can then be compared with
-what is read back. `ServoModel` says what they mean.
+Positions, speeds and torque limits are the servo's own whole numbers, so that written and read values can be compared.
+`ServoModel` converts them.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -9,17 +9,17 @@ from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
-if TYPE_CHECKING:  # a guard's own program imports this, and is to start soon
+if TYPE_CHECKING:  # a guard's own program imports this, and has to start fast
     from lbr.drivers.guard import Guard
 
 SETTING_UP = "is being set up"
 UNSEEN = "was not looked for yet"
 Tell = Callable[[str, str, str], None]
-"""Takes the kind of an event, its text and its level; from any thread."""
+"""Queues an event by kind, text and level; from any thread."""
 
 
 class Motion(Protocol):
-    """Where a servo is and what it does, as one read gives it: raw, and in SI units with counter-clockwise positive.
+    """Position and motion of a servo from one read: raw, and in SI units with counter-clockwise positive.
 
     A value that a servo does not report is 0: error bits, speed, load.
     """
@@ -30,11 +30,11 @@ class Motion(Protocol):
 
     @property
     def position(self) -> int:
-        """Return where it is."""
+        """Return the raw position."""
 
     @property
     def speed(self) -> int:
-        """Return how fast it turns."""
+        """Return the raw speed."""
 
     @property
     def position_rad(self) -> float:
@@ -46,15 +46,15 @@ class Motion(Protocol):
 
     @property
     def load_fraction(self) -> float:
-        """Fraction of its most."""
+        """Fraction of the maximum."""
 
 
 @dataclass(frozen=True, slots=True)
 class SlowState:
-    """The report of a servo apart from its motion; `at` is the time. Read of one servo in each round of the poller.
+    """A servo's report apart from its motion; `at` is its time. The poller reads it of one servo in each round.
 
-    `enabled` and `goal` are to be what the servo says: by them a stop is acknowledged and the guard knows whom to hold.
-    A servo that knows no speed says 0, one without a torque limit its `full_torque`.
+    `enabled` and `goal` must be the servo's own values: they acknowledge a stop, and by them the guard holds servos.
+    `speed` is 0 if the servo has none, `limit` is `full_torque` if it has no torque limit.
     """
 
     at: float
@@ -68,7 +68,7 @@ class SlowState:
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """One servo as it was seen last; `at` is when its motion was, and `reason` why it is not seen now."""
+    """The last reading of one servo; `at` is the time of its motion, and `reason` why it cannot be read now."""
 
     motion: Motion | None = None
     at: float = -inf
@@ -88,11 +88,11 @@ class Snapshot:
     states_hz: float = 0.0
     sweep_s: float = 0.0
     together: bool = False
-    """True if it was read by one request."""
+    """True if one request read them all."""
 
     @property
     def searched(self) -> bool:
-        """Return whether every servo was looked for; before, nothing can be said of what has torque."""
+        """Return whether every servo was searched for; before that, their torque is unknown."""
         return all(seen.reason not in {UNSEEN, SETTING_UP} for seen in self.servos.values())
 
 
@@ -108,11 +108,10 @@ class Counts:
 
 
 class ServoBus(Protocol):
-    """Transactions on the line, one at a time, for one thread. A line that is gone is a DeviceError.
+    """Transactions on the line, one at a time, for one thread. A lost line is a DeviceError.
 
-    An answer that does not come is None, and `trouble` says why. While it waits although the wire is free, the bus asks
-    `urgent`, and leaves the rest undone if it says yes: `cut_short` tells then. `written_all` counts the writes to
-    several servos at once.
+    A lost answer is None, and `trouble` gives the reason. While the bus waits with the wire free, it calls `urgent`; if
+    that is true it skips the rest and sets `cut_short`. `written_all` counts the writes to several servos at once.
     """
 
     counts: Counts
@@ -123,24 +122,24 @@ class ServoBus(Protocol):
 
     @property
     def together(self) -> bool:
-        """Return whether several servos are read by one request."""
+        """Return whether one request reads several servos."""
 
     def read_motion(self, servo: int) -> Motion | None:
         """Return the motion of one servo."""
 
     def read_together(self, servos: tuple[int, ...]) -> Sequence[Motion | None] | None:
-        """Return the motion of each, by one request; None: it was not answered at all."""
+        """Return the motion of each by one request; None if that was not answered."""
 
     @property
     def together_errors(self) -> bool:
-        """Return whether the error bits of what is read together are the servos' own."""
+        """Return whether a common read returns the servos' own error bits."""
 
     def read_state(self, servo: int, patience_s: float) -> tuple[Motion | None, SlowState] | None:
-        """Return all of one servo, asked once; an answer later than wire and servo explain gets `patience_s`."""
+        """Read all values of one servo once; wait up to `patience_s` for an answer that is later than wire and servo
+        explain."""
 
     def write_positions(self, goals: Mapping[int, int]) -> None:
-        """Give each servo a goal at the same time; the speed stays as it is. Servos are held by this, where they
-        are."""
+        """Give each servo a goal at the same time, and keep its speed; this holds servos at their position."""
 
     def write_goals(self, goals: Mapping[int, tuple[int, int]]) -> None:
         """Give each servo goal and speed at the same time."""
@@ -148,49 +147,51 @@ class ServoBus(Protocol):
     def write_limits(self, limits: Mapping[int, int]) -> None:
         """Give each servo its torque limit at the same time.
 
-        Servos without one cannot fade: then nothing is written, and they are released at once when the time is over.
+        Servos without such a limit cannot fade: nothing is written for them, and they are released at once at the end.
         """
 
     def torque_off(self, servos: Collection[int]) -> None:
-        """Take the torque off all of them at the same time, without waiting for any."""
+        """Switch the torque of all of them off at the same time, without waiting for any."""
 
     def torque_on(self, servo: int, speed: int, limit: int) -> int | str:
-        """Give a servo torque where it is: the goal first, then the torque. Return that position, or why not."""
+        """Switch a servo's torque on where it stands, after its goal; return that position, or the reason for a
+        failure."""
 
     def drain(self) -> None:
-        """Throw away what came unasked, and notice a line that is gone."""
+        """Discard unexpected input; a lost line raises."""
 
     def close(self) -> None:
         """Close the line."""
 
 
 class ServoModel(Protocol):
-    """The meaning of these servos' numbers, and their known features."""
+    """The units of these servos' numbers, and their known features."""
 
     @property
     def full_torque(self) -> int:
         """The highest torque limit."""
 
     def position_raw(self, angle_rad: float) -> int:
-        """Return the position nearest to an angle, within what the servo can reach."""
+        """Return the position nearest to an angle, within the servo's range."""
 
     def position_rad(self, raw: int) -> float:
         """Return the angle of a position, radians from the middle, counter-clockwise positive."""
 
     def speed_raw(self, speed_rps: float | None) -> int:
-        """Return the speed to write; None is as fast as it goes."""
+        """Return the raw speed; None means full speed."""
 
     def torque_raw(self, fraction: float) -> int:
-        """Return the torque limit of a fraction."""
+        """Return the raw torque limit for a fraction."""
 
     def holding_goal(self, position: int, speed: int, goal: int) -> int:
-        """Return the goal that holds a servo where it is: its own while it rests near that, or it would sag again."""
+        """Return the goal that holds a servo where it is: near its goal that goal itself, or the servo would sag
+        further."""
 
     def most_torque(self, servo: int) -> int:
-        """Return the highest torque limit that this servo may get."""
+        """Return the highest torque limit that this servo may have."""
 
     def latched(self, servo: int, seen: Seen) -> tuple[str, ...]:
-        """Return the faults that keep a servo without torque until it is recovered; `seen.slow` is there."""
+        """Return the faults that keep a servo without torque until it is recovered; `seen.slow` is not None."""
 
     def faults(self, error: int) -> tuple[str, ...]:
         """Return the names of error bits."""
@@ -201,13 +202,12 @@ B = TypeVar("B", bound=ServoBus)
 
 @dataclass(frozen=True, kw_only=True)
 class ServoLink(Generic[B]):
-    """An open line of servos, as a driver hands it to the capability.
+    """An open line of servos, as a driver passes it to the capability.
 
-    `prepare` sees each servo before it is polled, also one that comes back, and says what is wrong with it, or nothing;
-    in the bus's thread, as `begin`, which is called once before the first servo. `guard` starts the guard. `recovery`
-    returns the job that takes a servo out of its latched faults, which returns why it did not; None: there is nothing
-    to do, or it was not prepared yet. `judge` is called in the loop's thread, now and then, to tell what there is to
-    tell.
+    `prepare` checks each servo before it is polled, also after a silence, and returns the fault or an empty string.
+    `begin` is called once, before the first servo. Both run in the bus's thread. `guard` starts the guard. `recovery`
+    returns the job that recovers a servo, or None if there is nothing to do or no preparation yet. The job returns the
+    reason for a failure, or an empty string. `judge` is called in the loop's thread, now and then, to publish events.
     """
 
     bus: B

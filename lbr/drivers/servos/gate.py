@@ -1,7 +1,7 @@
-"""The trust in a sender of setpoints: a pure function of state, event and time.
+"""The decision about setpoints for servos: a pure function of state, event and time.
 
-Setpoints that cease, or say that their sender is lost, end the motion: the servos hold, and after a time release
-slowly. The lease that was quoted then is revoked: setpoints that still quote it keep the servos held, and move nothing.
+When setpoints cease, or report that their sender is lost, the motion ends: the servos hold, and are later released
+slowly. The quoted lease is then revoked: setpoints that still quote it keep the servos held, and move nothing.
 """
 
 from collections.abc import Mapping
@@ -29,20 +29,20 @@ class BornSetpoint:
 
     @property
     def finite(self) -> bool:
-        """Return whether every goal is of finite numbers."""
+        """Return whether all numbers of every goal are finite."""
         return all(_finite(goal) for goal in self.message.goals)
 
     @property
     def neutral(self) -> Literal[False]:
-        """Say no: a goal that stands still today is reached from elsewhere tomorrow."""
+        """Return False: a goal equal to the position now moves the servo after it has been turned."""
         return False
 
 
 @dataclass(frozen=True, slots=True)
 class ServoGate(SetpointGate[BornSetpoint]):
-    """The state. `goals` are in force while it `follows`; `wanted` are the servos that may have torque at all.
+    """The state. `goals` are in force while it `follows`; only `wanted` servos may have torque.
 
-    `lost_since`: the servos have no sender since then. `halts` counts the stops that came. `seen`: there was a
+    `lost_since`: the time at which the servos lost their sender. `halts` counts the received stops. `seen`: there was a
     setpoint.
     """
 
@@ -63,21 +63,21 @@ class ServoGate(SetpointGate[BornSetpoint]):
 
     @property
     def seen(self) -> bool:
-        """Return whether there ever was a setpoint; before, torque is left as it was found."""
+        """Return whether there ever was a setpoint; before the first, torque stays as it was found."""
         return self.born > -inf
 
     def stopped_since(self, before: "ServoGate") -> bool:
-        """Return whether a stop came since that state, or the end of what was followed then."""
+        """Return whether a stop arrived, or the motion ended, since that state."""
         return self.halts != before.halts or (before.follows and not self.follows)
 
 
 def first(now: float) -> ServoGate:
-    """Return the state before anything came: what may already have torque has no sender yet."""
+    """Return the initial state: servos that already have torque have no sender yet."""
     return ServoGate(lost_since=now)
 
 
 def receive(state: ServoGate, setpoint: ServoSetpoint, born: float, now: float, valid_s: float) -> ServoGate:
-    """Take a setpoint of the wired source; `born` is the older of its stamp and its arrival."""
+    """Return the state after a setpoint of the wired source; `born` is the older of its stamp and its arrival."""
     received = BornSetpoint(setpoint, born)
     verdict = state.judge(received, now, valid_s)
     if verdict == "late":
@@ -99,7 +99,7 @@ def receive(state: ServoGate, setpoint: ServoSetpoint, born: float, now: float, 
 
 
 def tick(state: ServoGate, now: float, valid_s: float, absence: str = "", estop: str | None = None) -> ServoGate:
-    """Let time pass. `gone` says why there is no source; `estop` why the emergency stop is engaged."""
+    """Return the state at a later time; `absence` explains a missing source, `estop` an engaged emergency stop."""
     if estop is not None:
         state = replace(ended(state, f"emergency stop: {estop or 'no reason given'}"), estop=True)
     elif state.estop:
@@ -112,8 +112,7 @@ def tick(state: ServoGate, now: float, valid_s: float, absence: str = "", estop:
 
 
 def strength(state: ServoGate, now: float, hold_s: float, release_s: float) -> float:
-    """Return how much of their torque the servos keep: all while there is a sender and for `hold_s`, then less and
-    less."""
+    """Return the share of torque that servos keep: 1 with a sender and for `hold_s` after its loss, then falling to 0."""
     if state.lost_since is None:
         return 1.0
     fading_s = now - state.lost_since - hold_s
@@ -121,7 +120,7 @@ def strength(state: ServoGate, now: float, hold_s: float, release_s: float) -> f
 
 
 def ended(state: ServoGate, reason: str) -> ServoGate:
-    """End the motion under way, and revoke its lease."""
+    """End the current motion, and revoke its lease."""
     return state.closed(reason, state.lease)
 
 

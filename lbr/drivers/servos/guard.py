@@ -1,5 +1,4 @@
-"""The servos' guard: holds their line too, and when the driver dies or hangs holds them still, then releases them
-slowly."""
+"""The servos' guard, on the same line: when the driver dies or hangs it holds the servos, then releases them slowly."""
 
 from collections.abc import Callable, Collection
 
@@ -8,14 +7,14 @@ from lbr.drivers import guard
 from lbr.drivers.servos import ServosSettings
 
 SPARE_S = 10.0
-"""For servos that do not answer, read one after the other, and for a line that takes slowly what is written."""
+"""The allowance for servos that do not answer, read one after the other, and for a slow line."""
 
 
 class Guard(guard.Guard):
-    """Kills a driver that is silent for too long while a servo has torque; see `guard_release` for what it does then.
+    """Kills a driver that is silent for too long while a servo has torque; then `guard_release` acts.
 
-    `program` is the module whose `main` calls `guard_release.run`, and `words` are what it is told beside all that
-    every such program is told. `settling_s` is how much longer than holding and fading it may take.
+    `program` is the module that calls `guard_release.run`, and `words` are its arguments beyond those of every such
+    program. `settling_s` is its allowance beyond holding and fading.
     """
 
     def __init__(

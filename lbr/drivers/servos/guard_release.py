@@ -1,10 +1,8 @@
-"""The guard's program: after the driver's death the servos hold where they are, then their torque fades, then it is
-off.
+"""The guard's program: after the driver's death the servos hold where they are, then their torque fades to off.
 
 `python -m PROGRAM LINE_FD PIPE_FD DRIVER_PIDFD SILENCE_MS WORDS_FD WORDS_HEX HOLD_S RELEASE_S ID,ID… [MORE…]`, where
-PROGRAM is a module of the driver's that calls `run`. It keeps the line locked only while it speaks: the moment a new
-driver has it, it is done. Imports little, as `run`'s caller should: the guard is started while servos are getting
-torque.
+PROGRAM is a module of the driver that calls `run`. It locks the line only while it writes and reads, and ends as soon
+as a new driver has the line. It imports little, as `run`'s caller should, because it starts while servos get torque.
 """
 
 import termios
@@ -20,29 +18,29 @@ STEP_S = 0.05
 
 
 class Releasing(Protocol):
-    """The orders of a driver to its servos after its death. The line is its own while it writes and reads.
+    """A driver's last orders to its servos. The line is locked during each call.
 
-    An OSError, as a DeviceError is one, says that the line is gone. `blind`: it cannot ask who has torque, so that it
-    acts only where the driver said that something may move. `least_hold_s`: it holds at least this long.
+    A lost line raises an OSError, such as a DeviceError. `blind`: it cannot read which servos have torque, so it acts
+    only if the driver reported that something may move. `least_hold_s`: the shortest time of holding.
     """
 
     blind: bool
     least_hold_s: float
 
     def hold(self) -> bool:
-        """Hold every servo that has torque; return whether there may be any."""
+        """Hold every servo that has torque; return whether any may have it."""
 
     def keep(self) -> None:
-        """Go on holding; called at each step while they hold. It is to notice a line that is gone."""
+        """Continue to hold; called at each step of the hold. It must notice a lost line."""
 
     def prepare(self) -> float:
-        """Make ready to fade; return the seconds that this takes."""
+        """Prepare to fade; return the seconds that this takes."""
 
     def fade(self, strength: float) -> None:
-        """Give them this share of the torque that they had; called at each step."""
+        """Reduce their torque to this share of the original; called at each step."""
 
     def off(self) -> None:
-        """Take their torque."""
+        """Switch their torque off."""
 
 
 class GuardRelease:
@@ -61,7 +59,7 @@ class GuardRelease:
         self._clock = clock
 
     def act(self, hold_s: float, release_s: float) -> None:
-        """Return when nothing has torque any more, or another driver took the line."""
+        """Hold, fade and release; return earlier if another driver took the line."""
         share(self._line)
         with suppress(TakenError, OSError, termios.error):
             with alone(self._line):
@@ -81,7 +79,7 @@ class GuardRelease:
             self._sleep(STEP_S)
 
     def _steps(self, seconds: float, act: Callable[[float], None]) -> None:
-        """Act at each step, told the share of the time that is left, as long as no new driver has the line."""
+        """Call `act` with the remaining share of the time at each step, as long as no new driver has the line."""
         until = self._clock() + seconds
         while (left_s := until - self._clock()) > 0.0:
             with alone(self._line):
@@ -90,13 +88,12 @@ class GuardRelease:
 
 
 def run(words: Sequence[str], make: Callable[[int, list[int], Sequence[str]], Releasing]) -> None:
-    """Run as the docstring of this module says. `make` gets the line, the servos' ids and the words of the driver's
-    own."""
+    """Run as the module's docstring describes; `make` gets the line, the servos' ids and the driver's own arguments."""
     line, pipe, driver, silence_ms, words_fd = (int(word) for word in words[:5])
     last = bytes.fromhex(words[5]) if words[5] != "-" else b""
     hold_s, release_s = float(words[6]), float(words[7])
     servos = make(line, [int(word) for word in words[8].split(",") if word], words[9:])
-    said = outlasted(pipe, driver, silence_ms, words_fd, last)
-    if said == TURNING or (said != DISMISSED and not servos.blind):
+    last_beat = outlasted(pipe, driver, silence_ms, words_fd, last)
+    if last_beat == TURNING or (last_beat != DISMISSED and not servos.blind):
         GuardRelease(servos, line).act(max(hold_s, servos.least_hold_s), release_s)
         drop_output(line)

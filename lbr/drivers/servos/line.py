@@ -7,10 +7,10 @@ from lbr.capability.context import Device
 from lbr.drivers.serial_line import SerialLine, opened
 
 SERVO_S = 0.0003
-"""The time until a servo begins its answer, and the hole in it that its motor control makes (datasheet and measured).
+"""The time until a servo begins its answer, plus the gap that its motor control makes in it (datasheet and measured).
 """
 LONGEST_DELAY_S = 0.000508
-"""The largest return delay time a servo can be set to."""
+"""The largest return delay time that a servo can have."""
 
 
 class ServoLine(SerialLine):
@@ -21,7 +21,7 @@ class ServoLine(SerialLine):
         self.margin_s = margin_s
 
     def busy_s(self, sent_bytes: int, back_bytes: int, servos: int = 1) -> float:
-        """Return how long a transaction takes at most: the wire both ways, and the servos' own time."""
+        """Return the longest time of a transaction: the wire both ways, and the servos' own time."""
         return self.wire_s(sent_bytes + back_bytes) + servos * (SERVO_S + LONGEST_DELAY_S)
 
 

@@ -1,8 +1,7 @@
-"""Going round the servos of a bus: position, speed and load of each in every sweep, all else of one servo a sweep.
+"""The rounds over the servos of a bus: each sweep reads the motion of every servo, and all else of one of them.
 
-Servos at rest are swept seldom, with all of several servos in a sweep; whatever moves one brings the next sweep at once.
-A servo that is silent is left out and looked for again, now and then, so that it does not slow the others. Runs in the
-bus's thread.
+Servos at rest are swept seldom, with all values of several in a sweep; any motion brings the next sweep at once. A
+silent servo is left out and searched for now and then, so that it does not slow the others. Runs in the bus's thread.
 """
 
 from collections import deque
@@ -15,22 +14,21 @@ from lbr.drivers.servos.contract import SETTING_UP, UNSEEN, B, Motion, Seen, Slo
 from lbr.drivers.servos.rest import FULL_S, Rest
 
 MISSES = 4
-"""The sweeps in a row without an answer that make a servo silent, also at the start. Chosen, not measured: 40 ms of the usual 100 a
-second."""
+"""The number of sweeps in a row without an answer that make a servo silent, also at the start. Chosen, not measured: 40
+ms at the usual 100 sweeps a second."""
 AGAIN_FIRST_S, AGAIN_MOST_S = 0.1, 2.0
 SYNC_READ_FAILURES = 3
 SINGLY_FIRST_S, SINGLY_MOST_S = 0.5, 30.0
-"""For this long servos are read one by one when all at once gave no answers: a busy machine is late for some sweeps, an
-adapter that cannot do it never answers."""
+"""The times for which servos are read one by one after failed common reads. A busy machine is late for some sweeps, an
+adapter without that feature never answers."""
 WAITING_SHARE = 0.1
-"""A sweep begins right after goals were written, so that they do not get into each other's way; it waits this long for
-them."""
+"""A sweep begins right after goals were written, so that the two do not collide; this share of its period is the wait.
+"""
 HASTY_S = 0.001
 HASTY_LOSSES = 4
-"""An answer of the slow rotation that would hold up the sweep is not waited for, unless this many in a row are that
-late."""
+"""A slow read that would delay the sweep is not waited for, unless this many in a row were late."""
 WRITING_S = 0.02
-"""A servo is deaf for this long after it was given two bytes to keep without power (datasheet: 9 ms each at worst)."""
+"""The time for which a servo does not answer after a write of two EEPROM bytes (datasheet: 9 ms each at worst)."""
 STATISTICS_S = 1.0
 
 
@@ -49,9 +47,9 @@ class _Servo:
 
 
 class Poller(Generic[B]):
-    """One transaction at a `turn`; after the last of a sweep there is a new `snapshot`.
+    """Does one transaction at each `turn`; after the last of a sweep there is a new `snapshot`.
 
-    `prepare` sees each servo before it is swept, also one that comes back, and says what is wrong with it, or nothing.
+    `prepare` checks each servo before it is swept, also after a silence; it returns what is wrong, or an empty string.
     """
 
     def __init__(
@@ -66,11 +64,11 @@ class Poller(Generic[B]):
     ) -> None:
         self.snapshot = Snapshot(0, -inf, {servo: Seen(reason=UNSEEN) for servo in servos})
         self.heard_at = -inf
-        """When any servo was heard last."""
+        """The time of the last answer of any servo."""
         self._rest = rest or Rest(clock)
         self._rest_period_s = rest_period_s
         self._hurried = False
-        """True after a lost answer: at rest the next sweep is not waited for."""
+        """True after a lost answer: then the next sweep is not delayed, even at rest."""
         self._servos = {servo: _Servo(servo) for servo in servos}
         self._clock = clock
         self._period_s = period_s
@@ -83,7 +81,7 @@ class Poller(Generic[B]):
         self._began = 0.0
         self._sync_failures = 0
         self._singly_until, self._singly_s = -inf, SINGLY_FIRST_S
-        self._singly_told = False
+        self._singly_reported = False
         self._hasty_losses = 0
         self._written = 0
         self._counted_at = -inf
@@ -92,11 +90,11 @@ class Poller(Generic[B]):
         self._rates = (0.0, 0.0)
 
     def look(self, servos: Sequence[int]) -> None:
-        """Read all of these servos next, before the sweep goes on; call it in the bus's thread."""
+        """Read all values of these servos next, before the sweep continues; call it in the bus's thread."""
         self._looks += [servo for servo in servos if servo not in self._looks]
 
     def turn(self, bus: B) -> float:
-        """Do one transaction; return the seconds until the next sweep is due, 0 while there is more to do."""
+        """Do one transaction; return the seconds until the next sweep is due, 0 within a sweep."""
         if self._looks:
             self._read_slow(bus, self._servos[self._looks.popleft()])
             self._looks_seen()
@@ -116,7 +114,7 @@ class Poller(Generic[B]):
         return 0.0
 
     def _sweep(self, bus: B) -> Iterator[None]:
-        """One transaction between two `yield`s."""
+        """Sweep once, with one transaction between two `yield`s."""
         present = [servo for servo in self._servos.values() if not servo.silent]
         slow = self._next_slow(present)
         together = bus.together and self._clock() >= self._singly_until
@@ -153,8 +151,8 @@ class Poller(Generic[B]):
         if self._sync_failures >= SYNC_READ_FAILURES:
             self._singly_until = self._clock() + self._singly_s
             self._singly_s = min(2.0 * self._singly_s, SINGLY_MOST_S)
-            if not self._singly_told:
-                self._singly_told = True
+            if not self._singly_reported:
+                self._singly_reported = True
                 text = "reading all servos at once gets no answers; they are read one by one, and that is tried now and then"
                 self._tell("sync_read", text, "warning")
 
@@ -178,14 +176,14 @@ class Poller(Generic[B]):
         self._note(servo, motion, "says nonsense", slow)
 
     def _seek(self, bus: B, servo: _Servo) -> None:
-        """Look for a silent servo: the longer it has been away, the more rarely."""
+        """Search for a silent servo: the longer it has been away, the more rarely."""
         wrong = self._prepare(bus, servo.id)
         if bus.cut_short:
             return
         servo.looks += 1
         begins = servo.seen.reason in {UNSEEN, SETTING_UP} and servo.looks < MISSES
         if begins and wrong not in {"", SETTING_UP}:
-            return  # it is looked for in the next sweep, too
+            return  # the next sweep searches for it too
         self._see(servo, wrong)
         if wrong == SETTING_UP:
             self._rest.stir()
@@ -207,7 +205,7 @@ class Poller(Generic[B]):
         slow: SlowState | None = None,
         error: int | None = None,
     ) -> None:
-        """Take in what a servo said, or that it said nothing; `error` where its motion came without error bits."""
+        """Store a servo's answer, or its absence; `error` has the error bits if the motion came without."""
         now = self._clock()
         if motion is None:
             self._hurried = self._hurried or not servo.silent
@@ -238,7 +236,7 @@ class Poller(Generic[B]):
         servo.seen = Seen(seen.motion, seen.at, seen.slow, seen.error, reason)
 
     def _next_slow(self, present: list[_Servo]) -> list[_Servo]:
-        """Return those of which all is read in this sweep: the next one, and at rest as many as keep to FULL_S."""
+        """Return the servos to read in full in this sweep: the next one, and at rest as many as `FULL_S` requires."""
         first, count = self._slow_turn + 1, min(1, len(present))
         if self._rest.lasts:
             count = max(count, min(len(present), ceil(len(present) * self._rest_period_s / FULL_S - 1e-9)))
@@ -246,7 +244,7 @@ class Poller(Generic[B]):
         return [present[turn % len(present)] for turn in range(first, first + count)]
 
     def _overdue(self) -> list[_Servo]:
-        """The silent servos to be looked for in this sweep: all that never were, or else one."""
+        """Return the silent servos to search for in this sweep: all never searched for, or else one."""
         now = self._clock()
         silent = sorted((servo for servo in self._servos.values() if servo.silent), key=lambda servo: servo.again)
         return [servo for servo in silent if servo.again == -inf] or [servo for servo in silent if servo.again <= now][
@@ -266,7 +264,7 @@ class Poller(Generic[B]):
         )
 
     def _looks_seen(self) -> None:
-        """Show at once what was looked at."""
+        """Publish the requested readings at once."""
         if not self._looks:
             old = self.snapshot
             self.snapshot = replace(old, servos={servo.id: servo.seen for servo in self._servos.values()})

@@ -1,4 +1,4 @@
-"""The last orders of the guard to servos whose torque, goal and limit can be read back; see `guard_release`."""
+"""The guard's last orders to servos whose torque, goal and limit can be read back; see `guard_release`."""
 
 from collections import deque
 from collections.abc import Collection
@@ -18,20 +18,20 @@ class RegisterRelease:
         self._model = model
         self._servos = servos
         self._limits: dict[int, int] = {}
-        self._unheard = deque(servos)
+        self._unanswered = deque(servos)
 
     def hold(self) -> bool:
-        """Give every servo that has torque the place where it is for its goal."""
-        self._hold(len(self._unheard))
-        return bool(self._limits or self._unheard)
+        """Set the goal of every servo with torque to its position."""
+        self._hold(len(self._unanswered))
+        return bool(self._limits or self._unanswered)
 
     def keep(self) -> None:
-        """Do the same to one that was not heard yet; reading notices a line that is gone."""
+        """Hold one more servo that had not answered; a lost line raises while reading."""
         self._bus.drain()
         self._hold(1)
 
     def prepare(self) -> float:
-        """Say that nothing has to be made ready."""
+        """Return 0: nothing has to be prepared."""
         return 0.0
 
     def fade(self, strength: float) -> None:
@@ -39,15 +39,15 @@ class RegisterRelease:
         self._bus.write_limits({one: max(1, round(limit * strength)) for one, limit in self._limits.items() if limit})
 
     def off(self) -> None:
-        """Take the torque of all, also of those that were never heard, but hear perhaps."""
+        """Switch the torque of all off, also of those that never answered: they may still receive."""
         self._bus.torque_off(self._servos)
 
     def _hold(self, most: int) -> None:
         goals = {}
-        for servo in [self._unheard.popleft() for _ in range(min(most, len(self._unheard)))]:
+        for servo in [self._unanswered.popleft() for _ in range(min(most, len(self._unanswered)))]:
             state = self._bus.read_state(servo, inf)
             if state is None:
-                self._unheard.append(servo)
+                self._unanswered.append(servo)
                 continue
             motion, slow = state
             if slow.enabled:

@@ -1,5 +1,4 @@
-"""Servos whose torque, goal and limits can be read back: what was told is made sure of, and told again until it is
-so."""
+"""Servos whose torque, goal and limits can be read back: each order is checked, and repeated until it is in effect."""
 
 from abc import abstractmethod
 from collections.abc import Callable
@@ -25,7 +24,7 @@ S = TypeVar("S", bound=RegisterServosSettings)
 
 
 class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
-    """A driver adds `connect`."""
+    """The capability for such servos; a driver adds `connect`."""
 
     def __init__(self, ctx: Context[S]) -> None:
         super().__init__(ctx)
@@ -35,31 +34,32 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
         self._asked_at = -inf
 
     def guard(self, program: str, line: int, *words: object) -> Guard:
-        """Start the guard of a line by its descriptor: `program` is the module that calls `guard_release.run`, told
-        `words`."""
+        """Start the guard of a line by its descriptor: `program` calls `guard_release.run` with `words` as its own
+        arguments."""
         return Guard(program, line, self.ctx.settings, tuple(self._joints), self.ctx.clock, words=words)
 
     @abstractmethod
     def connect(self, device: Device, urgent: Callable[[], bool]) -> ServoLink[B]:
-        """Open the line of a device row. The bus asks `urgent` whether a stop waits; `self.tell` takes events."""
+        """Open the line of a device row. The bus calls `urgent` to learn whether a stop waits; `self.tell` queues
+        events."""
 
     def connected(self, device: Device, servos: list[int]) -> ServoSession[S, B]:
-        """Open the line and begin to look for the servos."""
+        """Open the line and begin to search for the servos."""
         return ServoSession(self.ctx, servos, lambda urgent: self.connect(device, urgent), self.tell)
 
     def check(self, session: ServoSession[S, B], now: float) -> None:
-        """Raise that no servo answers any more."""
+        """Raise DeviceError if no servo answers any more."""
         seen = session.poller.snapshot.servos.values()
         if now - max(session.opened, session.poller.heard_at) > SILENT_S and all(one.reason for one in seen):
             settings, babble = self.ctx.settings, session.bus.counts.babble
-            said = f"babbles ({babble} bytes that mean nothing), and " if babble > NOTABLE_BYTES else ""
+            babble_text = f"babbles ({babble} bytes that mean nothing), and " if babble > NOTABLE_BYTES else ""
             raise DeviceError(
-                f"device '{settings.device}': {said}none of its {len(self._joints)} servos answers; "
+                f"device '{settings.device}': {babble_text}none of its {len(self._joints)} servos answers; "
                 f"is their power on? Check the cable, and the row's baud ({settings.baud})"
             )
 
     def act(self, session: ServoSession[S, B], now: float) -> None:
-        """Tell the servos what follows from what was asked and from what they said last."""
+        """Send the servos their orders by the gate and their last readings."""
         if self.ctx.estop.engaged and self.ctx.settings.on_estop == "release" and session.turning:
             session.targets.release("the emergency stop let it go; switch its torque off, then on")
         snapshot = self._snapshot = session.poller.snapshot
@@ -67,11 +67,11 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
         self._heed_estop(session, now)
 
     def known(self) -> bool:
-        """Return whether every servo was looked for; before, silence leaves open which of them have torque."""
+        """Return whether every servo was searched for; before that, a silent one may have torque."""
         return self._snapshot.searched
 
     def command(self, call: Call) -> None:
-        """Recover servos; the answer comes when all of them were tried."""
+        """Recover servos; the reply comes after all of them were tried."""
         session, message = self._session, call.message
         if not isinstance(message, RecoverServos):
             super().command(call)
@@ -97,7 +97,7 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
         self._recovering.append((call, jobs))
 
     def answer(self, session: ServoSession[S, B]) -> None:
-        """Answer the recoveries that are over."""
+        """Reply to finished recoveries."""
         waiting = []
         for call, jobs in self._recovering:
             if not all(job.done() for job in jobs.values()):
@@ -124,26 +124,26 @@ class RegisterServos(Servos[S, ServoSession[S, B]], Generic[S, B]):
         self._recovering.clear()
 
     def unusable(self, session: ServoSession[S, B]) -> str:
-        """Say which servos cannot be used, or nothing."""
+        """Return a sentence about the servos that cannot be used, or an empty string."""
         snapshot = session.poller.snapshot
         away = [servo for servo, seen in snapshot.servos.items() if seen.reason]
         return self.named(away, "cannot be used:") if away else ""
 
     def state_key(self, session: ServoSession[S, B], now: float) -> tuple[object, ...]:
-        """Return all that is to be published at once when it changes."""
+        """Return the values whose change is published at once."""
         gate = self._gate
         phase, rests = self.phase(session, now), session.rest.lasts
         return self._snapshot.sweep, phase, rests, gate.reason, self.ctx.estop.engaged, gate.halt
 
     def measured(self, session: ServoSession[S, B], now: float) -> Measured:
-        """Return what was read of all servos, and ordered."""
+        """Return the readings of all servos, with their orders."""
         snapshot, model = self._snapshot, session.link.model
         targets = session.targets.servos.values()
         servos = tuple(servo_state(target, snapshot.servos[target.id], model, now) for target in targets)
         return Measured(snapshot.sweep, snapshot.ended, servos, statistics(session.bus, snapshot))
 
     def _heed_estop(self, session: ServoSession[S, B], now: float) -> None:
-        """Acknowledge when every servo was read to hold where it is, or to be without torque."""
+        """Acknowledge the stop once every servo was read to hold its position, or to be without torque."""
         estop = self.ctx.estop
         if not estop.engaged:
             if self._estopped:

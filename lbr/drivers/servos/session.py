@@ -18,13 +18,13 @@ from lbr.errors import DeviceError
 CLOSING_S = 0.3
 JUDGED_S = 5.0
 NOTABLE_BYTES = 200
-"""Fewer bytes that mean nothing, in all of JUDGED_S, come from any line now and then."""
+"""Fewer meaningless bytes than this, in all of JUDGED_S, occur on any line."""
 S = TypeVar("S", bound=ServosSettings)
 L = TypeVar("L", bound="PolledLine")
 
 
 class PolledLine(Protocol):
-    """The bus, as far as every session needs it."""
+    """The bus interface of every session."""
 
     @property
     def counts(self) -> Counts:
@@ -35,13 +35,13 @@ class PolledLine(Protocol):
 
 
 class Heard(Protocol):
-    """The poller, as far as every session needs it; `heard_at` is the time of the last answer of any servo."""
+    """The poller interface of every session; `heard_at` is the time of the last answer of any servo."""
 
     heard_at: float
 
 
 class Session(ABC, Generic[S, L]):
-    """What is the same for all servos. A driver's own adds `poller` and `targets`, and starts `thread`."""
+    """The part common to all servos. A driver's own session adds `poller` and `targets`, and starts `thread`."""
 
     poller: Heard
     targets: Torque[Any]
@@ -62,11 +62,11 @@ class Session(ABC, Generic[S, L]):
 
     @abstractmethod
     def start_guard(self) -> Guard:
-        """Start the guard; an OSError says why not."""
+        """Start the guard; raise OSError if that fails."""
 
     @abstractmethod
     def part(self, *, release: bool) -> None:
-        """Submit the last orders before the line is closed: to release the servos, or to hold them."""
+        """Submit the last orders before the line is closed: release the servos, or hold them."""
 
     @property
     def turning(self) -> bool:
@@ -75,7 +75,7 @@ class Session(ABC, Generic[S, L]):
 
     @property
     def hears(self) -> bool:
-        """Return whether any servo was heard since the line was opened."""
+        """Return whether any servo has answered since the line was opened."""
         return self.poller.heard_at > self.opened
 
     @property
@@ -85,16 +85,16 @@ class Session(ABC, Generic[S, L]):
 
     @property
     def failure(self) -> Exception | None:
-        """Return what ended the bus's thread."""
+        """Return the error that ended the bus's thread."""
         return self.thread.failure
 
     def urgent(self) -> bool:
-        """Return whether a stop waits; the bus asks that while it listens."""
+        """Return whether a stop waits; the bus checks it while it waits for an answer."""
         return self.thread.urgent()
 
     def beat(self) -> None:
-        """Feed the guard, which is there as soon as the line answers, or a servo may have torque; before, none gets
-        it."""
+        """Beat the guard; start it first, once the line answers or a servo may have torque. Without it no servo gets
+        torque."""
         turning = self.turning
         if self.guard is None and self._ctx.settings.guard and (turning or self.answers):
             try:
@@ -109,7 +109,7 @@ class Session(ABC, Generic[S, L]):
         self.targets.guarded = not self._ctx.settings.guard or (self.guard is not None and self.guard.listens)
 
     def judge(self) -> None:
-        """Report a line that babbles, now and then."""
+        """Report a babbling line, at most once in `JUDGED_S`."""
         now = self._ctx.clock()
         if now - self._judged < JUDGED_S:
             return
@@ -119,7 +119,7 @@ class Session(ABC, Generic[S, L]):
             self._tell("babble", text, "warning")
 
     def close(self, *, release: bool) -> None:
-        """Hold or release the servos, and close the line; what still has torque then is the guard's."""
+        """Hold or release the servos, and close the line; servos that still have torque are left to the guard."""
         turning, alive = self.turning, self.thread.failure is None
         if alive:
             self.part(release=release)
@@ -155,11 +155,11 @@ class ServoSession(Session[S, B]):
 
     @property
     def failure(self) -> Exception | None:
-        """Return what ended the bus's thread, or kept it from telling a servo something."""
+        """Return the error that ended the bus's thread, or that prevented an order to a servo."""
         return self.thread.failure or self.targets.broken
 
     def turn(self, bus: B) -> float:
-        """Begin once, then go on with the sweep."""
+        """Call the link's `begin` once, then do the poller's turns."""
         if not self._begun:
             self._begun = True
             self.link.begin(bus)
@@ -167,7 +167,7 @@ class ServoSession(Session[S, B]):
         return self.poller.turn(bus)
 
     def start_guard(self) -> Guard:
-        """Start the guard that the driver made."""
+        """Start the guard by the link."""
         return self.link.guard()
 
     def judge(self) -> None:
@@ -179,7 +179,7 @@ class ServoSession(Session[S, B]):
         super().judge()
 
     def part(self, *, release: bool) -> None:
-        """Release the servos, or hold them where they were measured."""
+        """Release the servos, or hold them at their measured position."""
         if release:
             self.targets.release("the driver ended")
         else:

@@ -1,6 +1,6 @@
-"""The orders for every servo: torque on and off, torque limits and goals, and their effect, read back from it.
+"""The orders for every servo, torque, torque limits and goals, and their effect as read back.
 
-Lives in the loop's thread; what it wants on the wire it submits as jobs to the bus's thread.
+It lives in the loop's thread, and submits its writes as jobs to the bus's thread.
 """
 
 from collections.abc import Callable, Collection, Sequence
@@ -18,21 +18,19 @@ from lbr.messages.servos import ServoGoal
 
 R = TypeVar("R")
 MEASURED_S = 0.25
-"""A position older than this is not where the servo is, and a servo that was not heard for this long is told no goals.
-"""
+"""The age limit of a position; a servo without an answer for this long gets no goals."""
 FRESH_S = 0.05
-"""Of a moving servo even this age is too old: to be held there would take it back. A few sweeps; chosen, not measured.
-"""
+"""The age limit of a moving servo's position: a hold there would pull it back. A few sweeps; chosen, not measured."""
 REPEAT_S = 0.1
 AGAIN_S = 0.2
 FADE_STEP = 0.0097
-"""A smaller share of the full torque is not worth a packet."""
+"""The least change of the torque limit, as a share of full torque, that is worth a packet."""
 
 
 @dataclass(slots=True)
 class TargetState(Target):
-    """The wanted and the sent order for one servo. `settled`: the time of its last order about torque; inf while that
-    waits; `aimed`: its goal. `stays`: its goal is where it was measured."""
+    """The wanted and the sent order for one servo. `settled`: the time of its last order about torque, inf while that
+    waits. `aimed`: the time of its last goal. `stays`: its goal is its measured position."""
 
     goal: int | None = None
     speed: int = 0
@@ -51,13 +49,13 @@ class TargetState(Target):
         return self.on or self.switching is not None
 
     def unblock(self) -> None:
-        """Let it get torque again, unless it has latched a fault."""
+        """Allow torque again, unless it has latched a fault."""
         if not self.latched:
             self.blocked = ""
 
 
 class ServoTargets(Torque[TargetState], Generic[B]):
-    """All servos of a bus. Its orders go to the servos on the next occasion, stops first."""
+    """All servos of a bus. Its orders are sent at the next opportunity, stops first."""
 
     def __init__(
         self,
@@ -77,10 +75,10 @@ class ServoTargets(Torque[TargetState], Generic[B]):
         self._sent_at = -inf
         self._faded_at = -inf
         self.broken: Exception | None = None
-        """The error of a job that does not concern the line: a servo was not told what it should be."""
+        """The error of a job apart from the line: an order was not sent to a servo."""
 
     def apply(self, gate: ServoGate, strength: float, snapshot: Snapshot) -> None:
-        """Do what follows from the gate's state and from what the servos said last."""
+        """Send the orders that follow from the gate's state and the last readings."""
         unplaced = [target for target in self._all() if self._read_back(target, snapshot.servos[target.id], gate)]
         unplaced += [target for target in self._all() if target.adrift and self._motion(target, snapshot, FRESH_S)]
         stopped = self.advance(gate, strength)
@@ -92,15 +90,15 @@ class ServoTargets(Torque[TargetState], Generic[B]):
             self._follow(gate, snapshot)
 
     def release(self, why: str) -> None:
-        """Take the torque off every servo that may have it, at once."""
+        """Switch off, at once, every servo that may have torque."""
         self.off([target for target in self._all() if target.energised or not target.known], why)
 
     def hold(self, snapshot: Snapshot) -> None:
-        """Have every servo hold where it was measured."""
+        """Make every servo hold its measured position."""
         self._freeze([target for target in self._all() if target.on], snapshot)
 
     def off(self, targets: Sequence[TargetState], why: str) -> None:
-        """Take the torque off these servos at the same time, before all else."""
+        """Switch the torque of these servos off at the same time, before all else."""
         for target in targets:
             if target.switching is not None:
                 target.switching.cancel()
@@ -113,18 +111,18 @@ class ServoTargets(Torque[TargetState], Generic[B]):
             self._submit(servos, lambda bus: bus.torque_off(servos), STOP)
 
     def unconfirmed(self, snapshot: Snapshot, *, released: bool) -> list[int]:
-        """Return the servos that have not yet been read to hold their goal, or to be without torque if `released`."""
+        """Return the servos without a reading that they hold their goal, or, if `released`, have no torque."""
         asked = [target for target in self._all() if target.known and (released or target.energised)]
         return [target.id for target in asked if not _confirms(target, snapshot.servos[target.id], released=released)]
 
     def recovered(self, servo: int) -> None:
-        """Note that a latched servo was taken out of its fault; it has no torque before that is switched on again."""
+        """Note that a servo was recovered from its fault; it stays without torque until that is switched on again."""
         target = self.servos[servo]
         target.latched, target.settled = (), self._clock()
         target.blocked = "was recovered; switch its torque off, then on"
 
     def _read_back(self, target: TargetState, seen: Seen, gate: ServoGate) -> bool:
-        """Compare with the servo's report; True if it has torque that it was not given here."""
+        """Update the target by the servo's report; return True if it has torque that was not switched on here."""
         self._switched(target)
         slow = seen.slow
         if slow is None or slow.at <= target.settled or target.switching is not None:
@@ -155,7 +153,7 @@ class ServoTargets(Torque[TargetState], Generic[B]):
         return False
 
     def _latch(self, target: TargetState, seen: Seen) -> bool:
-        """Take the torque off a servo that has latched a fault; say whether it has."""
+        """Switch the torque off a servo that has latched a fault; return whether it has."""
         target.latched = self._model.latched(target.id, seen)
         if not target.latched:
             return False
@@ -165,15 +163,14 @@ class ServoTargets(Torque[TargetState], Generic[B]):
         return True
 
     def _forget_goals(self) -> None:
-        """Drop what still waits to be sent: it must not come after a stop."""
+        """Cancel the waiting goals: they must not follow a stop."""
         if self._sending is not None and self._sending.cancel():
             for target in self._all():
                 target.aimed = min(target.aimed, self._clock())
         self._sending, self._sent_at = None, -inf
 
     def _freeze(self, targets: list[TargetState], snapshot: Snapshot) -> None:
-        """Have servos hold where they are; one that was not measured just now keeps the goal it has heard until it
-        is."""
+        """Make servos hold their position; a servo without a fresh reading keeps its last goal until there is one."""
         if targets:
             self._forget_goals()
         goals = {}
@@ -186,7 +183,7 @@ class ServoTargets(Torque[TargetState], Generic[B]):
         self._place(goals)
 
     def _motion(self, target: TargetState, snapshot: Snapshot, within_s: float) -> Motion | None:
-        """Return what was measured of a servo, if that is not too old."""
+        """Return the motion of a servo, if it is fresh enough."""
         seen = snapshot.servos[target.id]
         return seen.motion if self._clock() - seen.at < within_s else None
 
@@ -227,7 +224,7 @@ class ServoTargets(Torque[TargetState], Generic[B]):
                 target.switching = self._queue(_switching(target.id, target.speed, target.limit), WRITE)
 
     def _switched(self, target: TargetState) -> None:
-        """See what became of switching a servo on."""
+        """Process the result of switching a servo on."""
         future = target.switching
         if future is None or not future.done():
             return
@@ -284,7 +281,7 @@ class ServoTargets(Torque[TargetState], Generic[B]):
         key: object = None,
         stirs: bool = True,
     ) -> "Future[None] | None":
-        """Send servos their goals, or else their torque, and note when that was on the wire."""
+        """Submit a write for servos, and note when it was on the wire: goals, or else torque."""
         if not servos:
             return None
         targets = [self.servos[servo] for servo in servos]
@@ -323,7 +320,7 @@ def _switching(servo: int, speed: int, limit: int) -> "Callable[[ServoBus], int 
 
 
 def _confirms(target: TargetState, seen: Seen, *, released: bool) -> bool:
-    """Return whether a servo was read, since its last order, to hold its goal; or to be without torque if `released`."""
+    """Return whether a reading since the last order confirms that it holds its goal, or, if `released`, has no torque."""
     slow = seen.slow
     if slow is None or slow.at <= max(target.settled, target.aimed) or seen.reason or target.switching is not None:
         return False

@@ -1,5 +1,4 @@
-"""The policy of torque that holds for all servos, whatever their orders are on the wire: who is released, and when all
-stop."""
+"""The torque policy common to all servos, on any wire: which are released, and when all stop."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterable, Sequence
@@ -10,17 +9,17 @@ from typing import Generic, TypeVar
 from lbr.drivers.servos.gate import ServoGate, first
 
 FOUND_S = 0.5
-"""The time that a servo that was found with torque keeps it until its mover knows of it: a few rounds of state and
+"""The time for which a servo that was found with torque keeps it until its mover knows of it. A few rounds of state and
 setpoint, so that a late servo keeps its torque after a restart. Chosen, not measured."""
 RELEASED = "was released; switch its torque off, then on"
 
 
 @dataclass(slots=True)
 class Target:
-    """The order for one servo. `known`: whether it is known if it has torque (`on`).
+    """The order for one servo. `known`: whether its torque (`on`) is known.
 
-    `blocked`: why it gets no torque before a setpoint had it without. `adrift`: it is to be held where it is as
-    soon as that is measured. `found_at`: the time of its first answer, with torque that its mover may not know of yet.
+    `blocked`: why it gets no torque until a setpoint requests none. `adrift`: it is held as soon as its position is
+    measured. `found_at`: the time of its first answer; its mover may not know yet that it has torque.
     """
 
     id: int
@@ -37,7 +36,7 @@ class Target:
         return self.on
 
     def unblock(self) -> None:
-        """Let it get torque again: a setpoint had it without."""
+        """Allow torque again: a setpoint requested none."""
         self.blocked = ""
 
 
@@ -52,7 +51,7 @@ class Torque(ABC, Generic[T]):
         self._clock = clock
         self._gate = first(clock())
         self.guarded = True
-        """True if a guard would release the servos after this driver's death; before, no servo gets torque."""
+        """True if a guard would release the servos after this driver's death; otherwise no servo gets torque."""
 
     @property
     def turning(self) -> bool:
@@ -61,15 +60,14 @@ class Torque(ABC, Generic[T]):
 
     @abstractmethod
     def release(self, why: str) -> None:
-        """Take the torque off every servo that may have it, at once."""
+        """Switch off, at once, every servo that may have torque."""
 
     @abstractmethod
     def off(self, targets: Sequence[T], why: str) -> None:
-        """Take the torque off these servos; `why` keeps them without until a setpoint had them so."""
+        """Switch the torque of these servos off; `why` blocks it until a setpoint requests none."""
 
     def advance(self, gate: ServoGate, strength: float) -> bool:
-        """Release those whose torque is over, or that are not wanted; return whether a stop came since the last
-        time."""
+        """Release servos that are not wanted or whose hold is over; return whether a stop came since the last call."""
         unwanted = [target for target in self._all() if gate.seen and target.id not in gate.wanted]
         for target in unwanted:
             target.unblock()

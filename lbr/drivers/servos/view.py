@@ -1,4 +1,4 @@
-"""The state of the bus as others see it: one coherent message out of what was measured and what was told."""
+"""The published state of the bus: one coherent message from readings and orders."""
 
 from math import isfinite
 
@@ -10,7 +10,7 @@ SLOW_BELIEVED_S = 5.0
 
 
 def servo_state(target: TargetState, seen: Seen, model: ServoModel, now: float) -> ServoState:
-    """Return one servo; what is older than a moment is not measured."""
+    """Return the state of one servo; older values count as not measured."""
     age_s = now - seen.at
     motion = seen.motion if age_s < MEASURED_S else None
     slow = seen.slow if seen.slow is not None and now - seen.slow.at < SLOW_BELIEVED_S else None
@@ -32,7 +32,7 @@ def servo_state(target: TargetState, seen: Seen, model: ServoModel, now: float) 
 
 
 def statistics(bus: ServoBus, snapshot: Snapshot) -> BusStatistics:
-    """Return the figures of the line."""
+    """Return the statistics of the line."""
     counts = bus.counts
     return BusStatistics(
         sweeps_hz=round(snapshot.sweeps_hz, 1),
@@ -47,14 +47,14 @@ def statistics(bus: ServoBus, snapshot: Snapshot) -> BusStatistics:
 
 
 def measured_age(age_s: float) -> float | None:
-    """Return an age as messages tell it: None before anything was measured."""
+    """Return an age as messages have it: None before the first measurement."""
     return round(age_s, 4) if isfinite(age_s) else None
 
 
-def _torque(out: TargetState, slow: SlowState | None, full: int) -> float | None:
-    """Return what was told last, or else what was read last."""
-    if out.known and (slow is None or out.settled >= slow.at):
-        return round(out.limit / full, 4) if out.on else 0.0
+def _torque(target: TargetState, slow: SlowState | None, full: int) -> float | None:
+    """Return the torque of the last order, or of a newer reading."""
+    if target.known and (slow is None or target.settled >= slow.at):
+        return round(target.limit / full, 4) if target.on else 0.0
     if slow is None:
         return None
     return round(slow.limit / full, 4) if slow.enabled else 0.0

@@ -10,7 +10,7 @@ from lbr.messages.units import Name
 
 Board = Literal["arduino", "parallax"]
 SENSORS = RING
-"""The readings of every board, whatever else it does."""
+"""The sensors that every board reports."""
 
 
 class UltrasonicSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

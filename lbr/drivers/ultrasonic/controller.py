@@ -1,4 +1,4 @@
-"""The range board as a device: started, listened to, and declared silent when it is."""
+"""The range board as a device: started, read, and reported when silent."""
 
 from collections.abc import Callable
 
@@ -23,16 +23,16 @@ class RangeBoard:
         self._parser = LineParser()
         self._asked = 0.0
         self._polled = 0.0
-        self._heard = 0.0
+        self._frame_at = 0.0
 
     def open(self) -> None:
         """Ask the board to begin."""
         now = self._clock()
-        self._heard = self._polled = now
+        self._frame_at = self._polled = now
         self._ask(now)
 
     def poll(self) -> list[Frame]:
-        """Return the frames that came in since the last call; raise once the board has been silent for too long."""
+        """Return the frames received since the last call; raise DeviceError if the board has been silent for too long."""
         now = self._clock()
         if now - self._polled > HELD_UP_S:
             self._catch_up(now)
@@ -42,8 +42,8 @@ class RangeBoard:
         self.bad_lines += sum(isinstance(item, BadLine) for item in found)
         self.frames += len(frames)
         if frames:
-            self._heard = now
-        elif not now - self._heard < self._allowed_s:
+            self._frame_at = now
+        elif not now - self._frame_at < self._allowed_s:
             raise DeviceError(self._silence(now))
         elif self.frames == 0 and now - self._asked >= ASK_PERIOD_S:
             self._ask(now)
@@ -54,7 +54,7 @@ class RangeBoard:
         try:
             self._line.write(FINISH)
         except DeviceError:
-            pass  # it is gone: nothing to stop
+            pass  # the line is gone: nothing to stop
         finally:
             self._line.close()
 
@@ -63,18 +63,18 @@ class RangeBoard:
         return self._settings.timeout_s if self.frames else self._settings.start_timeout_s
 
     def _ask(self, now: float) -> None:
-        """A board that restarts when its line is opened misses the first one."""
+        """Send the start byte; a board that restarts when its line is opened misses the first one."""
         self._line.drop_output()
         self._line.write(START)
         self._asked = now
 
     def _catch_up(self, now: float) -> None:
-        """Drop what came in while this process was held up: it is old; wait for the next frame as long as usual."""
+        """Drop old input after a pause of this process, and wait for the next frame as long as usual."""
         self._line.drop_input()
         self._parser.reset()
-        self._heard = now
+        self._frame_at = now
 
     def _silence(self, now: float) -> str:
-        said = f"device '{self._settings.device}' is silent: no reading for {now - self._heard:.1f} s"
+        complaint = f"device '{self._settings.device}' is silent: no reading for {now - self._frame_at:.1f} s"
         heard = f", but {self.bad_lines} malformed lines" if self.bad_lines else ""
-        return f"{said}{heard}; check its cable, power and the setting `board`"
+        return f"{complaint}{heard}; check its cable, power and the setting `board`"

@@ -1,7 +1,7 @@
 """The output of the range boards: one JSON object per line, in centimetres. No I/O.
 
-A board with more than the five sensors tells the others beside them, by their names with a capital letter. The Arduino
-waits for `g`, stops on `s` and tells of every byte it received; the Parallax board just talks.
+A board with more than the five sensors lists the others beside them, with a capital letter. The Arduino starts on `g`,
+stops on `s` and remarks on every byte received; the Parallax board sends from its start on.
 """
 
 from dataclasses import dataclass
@@ -21,10 +21,10 @@ MAX_LINE_BYTES = 512
 TICKS_PER_S: dict[Board, float] = {"arduino": 1000.0, "parallax": 80_000_000.0}
 NO_SENSOR = -1
 TURNS = ("forward", "left", "right", "back")
-"""The order in which they measure; what a board has beyond these comes after."""
+"""The order in which they measure; further sensors come after these."""
 ECHO_S_PER_CM, NO_ECHO_S = 58e-6, 0.1
 LINE_S = 0.015
-"""A line's bytes at 115200 baud, and half a round of the driver."""
+"""The time of a line's bytes at 115200 baud, and half a round of the driver."""
 Told = Annotated[
     str, Meta(pattern="^[A-Z][a-z0-9_]{0,39}$(?!\\n)", description="a sensor's name with a capital letter")
 ]
@@ -45,7 +45,7 @@ class Frame(Struct, frozen=True):
 
 @dataclass(frozen=True, slots=True)
 class BadLine:
-    """A line that is no frame and no remark of the board; `text` is its beginning."""
+    """A line that is neither a frame nor a remark of the board; `text` is its beginning."""
 
     text: str
 
@@ -55,7 +55,7 @@ class _Line(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class LineParser:
-    """Turns bytes, in pieces of any size, into frames; whatever comes, it holds at most one line."""
+    """Turns bytes, in pieces of any size, into frames; it holds at most one line."""
 
     def __init__(self) -> None:
         self._lines = LineSplitter(rb"\n", MAX_LINE_BYTES)
@@ -66,7 +66,7 @@ class LineParser:
         return [each for each in found if each is not None]
 
     def reset(self) -> None:
-        """Forget a line begun; what is left of it will count as a bad line."""
+        """Forget the unfinished line; its rest will count as a bad line."""
         self._lines.reset()
 
     @property
@@ -76,7 +76,7 @@ class LineParser:
 
 
 def parse_line(line: bytes) -> Frame | BadLine | None:
-    """Return the frame a line holds, None for an empty line or the board's remark on a byte it received."""
+    """Return the frame in a line; None for an empty line or the board's remark on a received byte."""
     line = line.strip()
     if not line or (line.startswith(b"received:") and b"{" not in line):
         return None
@@ -89,7 +89,7 @@ def parse_line(line: bytes) -> Frame | BadLine | None:
 
 
 def to_ranges(frame: Frame, settings: UltrasonicSettings) -> Ranges:
-    """Return a frame in metres, with null and a status wherever the board did not measure."""
+    """Return a frame in metres, with null and a status for every sensor that did not measure."""
     metres: dict[str, float | None] = {}
     status: dict[str, RangeStatus] = {}
     told: dict[str, int] = {name: getattr(frame, name) for name in SENSORS}
@@ -101,8 +101,7 @@ def to_ranges(frame: Frame, settings: UltrasonicSettings) -> Ranges:
 
 
 def ages_s(frame: Frame) -> dict[str, float]:
-    """Return how long ago each sensor measured: they take turns, each for as long as its echo takes, and are told at
-    the end."""
+    """Return the age of each reading: the sensors take turns, each for the time of its echo, and the line follows them."""
     turns = {name: getattr(frame, name) for name in TURNS} | frame.others
     ages, age_s = {}, LINE_S
     for name, cm in reversed(turns.items()):
@@ -112,14 +111,14 @@ def ages_s(frame: Frame) -> dict[str, float]:
 
 
 def classify(cm: int, settings: UltrasonicSettings) -> RangeStatus:
-    """Say what a sensor's number means."""
+    """Return the meaning of a sensor's number."""
     if cm == NO_SENSOR:
         return "missing"
     if settings.min_cm <= cm < settings.over_range_cm:
         return "ok"
     if settings.over_range_cm <= cm <= settings.max_cm:
         return "over_range"
-    return "invalid"  # 0 is the sensor's error; what else is out of bounds is implausible
+    return "invalid"  # 0 is the sensor's error; other numbers out of bounds are implausible
 
 
 _decoder = msgspec.json.Decoder(_Line)

@@ -1,5 +1,5 @@
-"""Recognition of a board of range sensors: by a line of its distances; the Arduino is asked to begin, and to stop
-again."""
+"""Recognition of a board of range sensors by a line of its distances; the Arduino gets a start byte, and then a stop
+byte."""
 
 from lbr.capability.recognition import Seen, SerialHandshake
 from lbr.drivers.ultrasonic import Board
@@ -8,10 +8,9 @@ from lbr.drivers.ultrasonic.protocol import FINISH, START, TICKS_PER_S, Frame, L
 LONGEST_CYCLE_S = 10.0
 
 
-def seen(heard: bytes) -> Seen | None:
-    """Return the board whose distances these are; which it is, the time of a cycle says, which each counts in its own
-    ticks."""
-    for frame in LineParser().feed(heard):
+def seen(stream: bytes) -> Seen | None:
+    """Return the board of these distances; the cycle time, in the board's own ticks, distinguishes the two."""
+    for frame in LineParser().feed(stream):
         if isinstance(frame, Frame):
             board: Board = "arduino" if frame.deltat < LONGEST_CYCLE_S * TICKS_PER_S["arduino"] else "parallax"
             return Seen(what=f"ring of ultrasonic sensors, board {board}", settings={"board": board})

@@ -11,8 +11,8 @@ A driver of another controller, in a package of its own, is a `WheelController` 
         def connect(self, device, beat):
             return OdriveController(open_line(device, self.ctx.settings.baud), self.ctx.settings, self.ctx.clock, beat)
 
-`contract.WheelController` says what such a controller does. It drives the motors `left` and `right`; one of more says
-which by `motors`:
+`contract.WheelController` describes such a controller. It drives the motors `left` and `right`; a driver of other
+motors names them in `motors`:
 
         motors = ("front_left", "front_right", "rear_left", "rear_right")
 
@@ -61,7 +61,7 @@ def wheels_kind(
     *,
     recognised: str = "",
 ) -> Kind:
-    """Return the kind of a driver of wheels; its device rows are of type `device`, which is its name unless said."""
+    """Return the kind of a driver of wheels; its device rows are of type `device`, by default its name."""
     return Kind(
         name=name,
         summary=summary,

@@ -1,7 +1,7 @@
 """The gate between setpoints and wheels: a pure function of state, event and time.
 
-Disarmed is where everything begins and where every doubt ends. Only a fresh zero arms; a setpoint that comes late,
-is not finite or loses its source stops the motors, and the lease it quoted is dead for good.
+It begins disarmed, and every doubt disarms it. Only a fresh zero arms. A setpoint that is late, not finite or without a
+source stops the motors and revokes its lease for good.
 """
 
 from dataclasses import dataclass, replace
@@ -15,10 +15,10 @@ START = "waiting for a zero setpoint"
 
 @dataclass(frozen=True, slots=True)
 class Setpoint:
-    """The powers that were asked of each motor; `born` is the older of its stamp and its arrival, in monotonic seconds.
+    """The requested power of each motor; `born` is the older of its stamp and its arrival, in monotonic seconds.
 
-    `unnamed` is a motor that it gives no power, which is NaN then. The motion of which it is part has `begun` then, a
-    zero at its own time; NaN: unknown.
+    `unnamed` is a motor without a power in the message, whose power is NaN. `begun` is the start of its motion, for a
+    zero its own time; NaN: unknown.
     """
 
     powers: tuple[float, ...]
@@ -29,23 +29,23 @@ class Setpoint:
 
     @property
     def neutral(self) -> bool:
-        """All wheels are to stand still."""
+        """Return whether all powers are zero."""
         return all(power == 0.0 for power in self.powers)
 
     @property
     def finite(self) -> bool:
-        """All powers are numbers."""
+        """Return whether all powers are finite."""
         return all(map(isfinite, self.powers))
 
     @property
     def stays(self) -> bool:
-        """It is a zero that stays in force at rest."""
+        """Return whether it is a zero that stays in force at rest."""
         return self.neutral and isfinite(self.begun)
 
 
 @dataclass(frozen=True, slots=True)
 class Inhibit:
-    """Why nothing may move now; `fault` tells a mishap from what was asked for."""
+    """Why nothing may move now; `fault` distinguishes a mishap from a request."""
 
     reason: str
     fault: bool
@@ -53,8 +53,7 @@ class Inhibit:
 
 @dataclass(frozen=True, slots=True)
 class Arming(SetpointGate[Setpoint]):
-    """The state of `count` motors. Only a zero born after `since` arms; `trips` counts the motions that a mishap
-    ended."""
+    """The state of `count` motors. Only a zero born after `since` arms; `trips` counts the motions ended by a mishap."""
 
     count: int = 2
     reason: str = START
@@ -84,14 +83,14 @@ class Arming(SetpointGate[Setpoint]):
 
 
 def receive(state: Arming, setpoint: Setpoint, now: float, valid_s: float) -> Arming:
-    """Take a setpoint from the wired source."""
+    """Return the state after a setpoint from the wired source."""
     verdict = state.judge(setpoint, now, valid_s)
     if verdict == "not_finite":
         unnamed = f"the setpoint gives motor '{setpoint.unnamed}' no power: drive and driver know other motors"
         why = unnamed if setpoint.unnamed else "the setpoint is not a finite number"
         return _disarm(state.revoked(setpoint.lease), why, now, fault=True)
     arms = setpoint.neutral and not state.inhibited and setpoint.born > state.since
-    if verdict == "passes" and not setpoint.neutral and _unheard(state, setpoint, now, valid_s):
+    if verdict == "passes" and not setpoint.neutral and _begun_unseen(state, setpoint, now, valid_s):
         return _disarm(state.revoked(setpoint.lease), "the beginning of this motion was not heard", now, fault=True)
     if verdict == "passes" and (state.armed or arms):
         return replace(state, setpoint=setpoint, reason="")
@@ -99,7 +98,7 @@ def receive(state: Arming, setpoint: Setpoint, now: float, valid_s: float) -> Ar
 
 
 def tick(state: Arming, inhibit: Inhibit | None, now: float, valid_s: float) -> Arming:
-    """Let time pass: stop what is inhibited or late."""
+    """Return the state at a later time: inhibited or late motion stops."""
     if inhibit is not None:
         stopped = _disarm(state, inhibit.reason, now, fault=inhibit.fault)
         return replace(stopped, inhibited=True, reason=inhibit.reason)
@@ -111,7 +110,7 @@ def tick(state: Arming, inhibit: Inhibit | None, now: float, valid_s: float) -> 
     return state
 
 
-def _unheard(state: Arming, setpoint: Setpoint, now: float, valid_s: float) -> bool:
+def _begun_unseen(state: Arming, setpoint: Setpoint, now: float, valid_s: float) -> bool:
     """Return whether a motion follows a zero that stayed for long, and may be far up its ramp."""
     zero = state.setpoint
     long_ago = zero is not None and zero.stays and not fresh(zero.born, now, valid_s)

@@ -1,4 +1,4 @@
-"""A motor driver as a capability: setpoints in, power at the wheels, and the last word on whether they turn."""
+"""A motor driver as a capability: setpoints in, power at the wheels, and the final decision whether they turn."""
 
 from abc import ABC, abstractmethod
 from collections import deque
@@ -21,17 +21,17 @@ from lbr.messages.motors import MotorsState, MotorState
 
 RATE_HZ, STANDING_HZ = 50.0, 20.0
 RESTING_SHARE = 0.5
-"""The period of rounds of armed motors at rest, as a share of the controller's watchdog, which each of them feeds."""
+"""The period of rounds of armed motors at rest, as a share of the controller's watchdog, which each round feeds."""
 PUBLISH_PERIOD_S = 0.05
 RESTING_PERIOD_S, RESTS_AFTER_S = 0.45, 0.5
 """The period of the state of armed motors that have stood for a while."""
 FLICKER = 2
-"""A count that differs by no more does not end their rest: an encoder on an edge flickers."""
+"""The difference of counts that does not end their rest: an encoder on an edge flickers."""
 STANDING_PERIOD_S = 0.09
 """The period of the state while the wheels stand: a third of the age at which the drive calls it too old."""
 RESEND_S, IDLE_QUERY_S = 0.015, 0.05
 SOON = 0.75
-"""The share of a round after which what each round does is due; a setpoint may wake it in between."""
+"""The share of a round after which its regular work is due; a setpoint may wake it in between."""
 REPORT_PERIOD_S = 5.0
 FEW = 8
 """The number of unanswered commands that is reported first, then each doubling: a few are harmless."""
@@ -55,7 +55,7 @@ class Wheels(Capability[S], ABC):
 
     rate_hz = RATE_HZ
     motors: Sequence[str] = TWO
-    """The names of its motors, as rows of `wheel` and setpoints say them, in the controller's order."""
+    """The names of its motors, as in rows of `wheel` and in setpoints, in the controller's order."""
 
     def __init__(self, ctx: Context[S]) -> None:
         super().__init__(ctx)
@@ -65,15 +65,15 @@ class Wheels(Capability[S], ABC):
         self._rest = (0.0,) * len(self.motors)
         self._base = base_of(ctx.rows(Kinematics), ctx.rows(Wheel), track_m=1.0)
         self._enabled = ctx.settings.enabled
-        self._latched = False  # an emergency stop was asked for and is not released yet
-        self._held_since: float | None = None  # the controller acknowledged it then
+        self._latched = False  # an emergency stop was requested and is not released yet
+        self._held_since: float | None = None  # the time at which the controller acknowledged it
         self._source = ""
         self._switching: deque[tuple[Call, float]] = deque()
         self._stepped: float | None = None
         self._queried = -inf
         self._published = -inf
-        self._shown: tuple[object, ...] = ()
-        self._told: Measured = {}
+        self._published_key: tuple[object, ...] = ()
+        self._published_readings: Measured = {}
         self._stands = self._rests = False
         self._moved_at = -inf
         self._faults: tuple[str, ...] = ()
@@ -84,10 +84,10 @@ class Wheels(Capability[S], ABC):
 
     @abstractmethod
     def connect(self, device: Device, beat: Callable[[], None]) -> WheelController:
-        """Open the line of a device row and return the controller on it, which is brought up next."""
+        """Open the line of a device row and return its controller, whose `open` is called next."""
 
     def open(self) -> None:
-        """Open the line and bring the controller up, at zero."""
+        """Open the line and start the controller, at zero."""
         settings = self.ctx.settings
         self._controller = self.connect(self.device_row, self._beat)
         self._controller.open()
@@ -99,10 +99,10 @@ class Wheels(Capability[S], ABC):
         self._lacks = None
         self._unanswered = 0
         self._publish()
-        self._shown = ()
+        self._published_key = ()
 
     def step(self) -> None:
-        """Decide, write the wheels once, ask the controller one thing, tell the others."""
+        """Decide, write the wheels once, send the controller one query, and publish."""
         controller = self._controller
         assert controller is not None
         if self._guard is not None and not self._guard.standing:
@@ -121,18 +121,18 @@ class Wheels(Capability[S], ABC):
         self.rate_hz = RATE_HZ if self._arming.moving or not controller.resting else 1.0 / self._standing_s
 
     def command(self, call: Call) -> None:
-        """Switch execution on or off; on waits for a zero setpoint, so that what is said next is obeyed."""
+        """Switch execution on or off; the reply to on waits for a zero setpoint, so that the next motion is obeyed."""
         if not isinstance(call.message, EnableCommand):
             super().command(call)
             return
-        self._enabled = call.message.enabled  # the step that follows at once acts on it
+        self._enabled = call.message.enabled  # the step that follows at once applies it
         if self._enabled:
             self._switching.append((call, self.ctx.clock() + ARMS_S))
         else:
             call.reply(CommandReply(accepted=True, reason="the motors are held at zero until 'enable'"))
 
     def degraded(self, reason: str) -> None:
-        """Tell that the controller is away."""
+        """Publish that the controller is away."""
         if self.ctx.estop.engaged:
             self._latched = True
             self.ctx.estop.acknowledge(stopped=False, reason=reason)
@@ -141,7 +141,7 @@ class Wheels(Capability[S], ABC):
         self._answer_switching(waits=False)
 
     def close(self) -> None:
-        """Write zero, then close the line; what is not acknowledged the guard writes again."""
+        """Write zero, then close the line; without an acknowledgement the guard writes it again."""
         controller, self._controller = self._controller, None
         guard, self._guard = self._guard, None
         stopped = False
@@ -182,7 +182,7 @@ class Wheels(Capability[S], ABC):
             if self._held_since is not None:
                 faults = controller.faults_after(self._held_since)
                 if faults is not None and EMERGENCY_STOP not in faults:
-                    self._held_since = None  # it was reset, or released elsewhere
+                    self._held_since = None  # reset, or released elsewhere
             if self._held_since is None and controller.emergency_stop():
                 self._held_since = self.ctx.clock()
             held = self._held_since is not None
@@ -205,8 +205,7 @@ class Wheels(Capability[S], ABC):
         self._tell_trip(before)
 
     def _setpoint(self, received: Received) -> Setpoint:
-        """Return the power of each motor; one that the message does not name gets NaN, unless all are to stand
-        still."""
+        """Return the power of each motor; a motor missing in the message gets NaN, unless all are zero."""
         message, born = received.message, received.arrived
         begun = nan if message.moving_s is None else born - message.moving_s
         powers_by_motor = message.motors or {"left": message.left, "right": message.right}
@@ -244,8 +243,11 @@ class Wheels(Capability[S], ABC):
         return Inhibit(_fault_sentence(grave), fault=True) if grave else None
 
     def _held_up(self, controller: WheelController, now: float) -> Inhibit | None:
-        """After a pause longer than a setpoint lives, of its own or of the controller's, the next one begins with zero:
-        it may be far up its ramp. At rest its rounds are further apart, and the gate knows by their dates."""
+        """Return an inhibit after a pause, of the driver or the controller, that is longer than a setpoint lives.
+
+        The next motion must then begin with zero, because it may be far up its ramp. At rest the rounds are further
+        apart; the gate checks the dates of their setpoints.
+        """
         valid_s = self.ctx.settings.setpoint_valid_s
         most_s = valid_s + (self._standing_s if self._arming.rests else 0.0)
         if self._stepped is not None and not now - self._stepped < most_s:
@@ -256,7 +258,7 @@ class Wheels(Capability[S], ABC):
 
     @property
     def _standing_s(self) -> float:
-        """The period of its rounds while nothing moves."""
+        """Return the period of its rounds while nothing moves."""
         return RESTING_SHARE * self._watchdog_s if self._arming.rests else 1.0 / STANDING_HZ
 
     def _act(self, controller: WheelController) -> None:
@@ -269,7 +271,7 @@ class Wheels(Capability[S], ABC):
             if state.applied != controller.asked or hungry:
                 controller.drive(*state.applied)
         elif not held and hungry:
-            controller.stop()  # fed with zero, the controller does not turn to another source of commands
+            controller.stop()  # fed with zero, the controller does not accept another source of commands
 
     def _ask(self, controller: WheelController) -> None:
         now = self.ctx.clock()
@@ -299,7 +301,7 @@ class Wheels(Capability[S], ABC):
             self.ctx.event("fault", "the controller reports no fault any more")
 
     def _tell_what_lacks(self) -> None:
-        """Say whether it is ready: not with a fault, nor before its guard listens, since until then no wheel turns."""
+        """Publish whether it is ready: not with a fault, nor before its guard listens, since no wheel turns until then."""
         lacks = None
         if self._faults:
             lacks = Reason("latched", _fault_sentence(self._faults))
@@ -333,10 +335,10 @@ class Wheels(Capability[S], ABC):
             controller.applied == self._rest,
         )
         period_s = RESTING_PERIOD_S if self._rests else STANDING_PERIOD_S if self._stands else PUBLISH_PERIOD_S
-        if self._rests and not _near(_counts(controller.measured()), _counts(self._told)):
+        if self._rests and not _near(_counts(controller.measured()), _counts(self._published_readings)):
             period_s = 0.0
-        if key != self._shown or not self.ctx.clock() - self._published < period_s:
-            self._shown = key
+        if key != self._published_key or not self.ctx.clock() - self._published < period_s:
+            self._published_key = key
             self._publish()
 
     def _publish(self) -> None:
@@ -345,12 +347,12 @@ class Wheels(Capability[S], ABC):
         if self._controller is None:
             self.ctx.publish("state", _at_rest(state, estop=self.ctx.estop.engaged))
             return
-        before, self._told = self._told, self._controller.measured()
-        self._stands = not state.moving and _near(_counts(self._told), _counts(before))
+        before, self._published_readings = self._published_readings, self._controller.measured()
+        self._stands = not state.moving and _near(_counts(self._published_readings), _counts(before))
         self._moved_at = self._moved_at if self._stands and state.rests else self._published
         self._rests = self._published - self._moved_at >= RESTS_AFTER_S
         message = MotorsState(
-            **self._each(self._controller.applied, self._told),
+            **self._each(self._controller.applied, self._published_readings),
             armed=state.armed,
             reason=state.reason,
             estop=self.ctx.estop.engaged,
@@ -361,7 +363,7 @@ class Wheels(Capability[S], ABC):
         self.ctx.publish("state", message)
 
     def _each(self, applied: Sequence[float], readings: Measured) -> dict[str, Any]:
-        """Return what is applied and measured: of `left` and `right` in their fields, of others by their names."""
+        """Return applied and measured values: of `left` and `right` in their fields, of other motors by name."""
         unknown = (None,) * len(applied)
         amps, counts = readings.get("motor_amps_a", unknown), readings.get("motor_counts", unknown)
         measured = {name: value for name, value in readings.items() if not name.startswith("motor_")}
@@ -373,8 +375,7 @@ class Wheels(Capability[S], ABC):
         return {"left": left, "right": right, "motors": motors, **measured}
 
     def _sides(self, applied: dict[str, float]) -> tuple[float, float]:
-        """Return what the powers are for the two sides of the base, by its rows; zero where they tell of other
-        motors."""
+        """Return the powers of the two sides of the base, by its rows; zero if the rows name other motors."""
         base = self._base
         if not applied.keys() >= set(base.motors):
             return 0.0, 0.0

@@ -1,4 +1,4 @@
-"""The wheels' guard: holds their line too, and writes the controller's stop the moment the driver dies or hangs."""
+"""The wheels' guard, on the same line: it writes the controller's stop the moment the driver dies or hangs."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -9,7 +9,7 @@ from lbr.drivers.wheels.contract import GuardStop
 
 PROGRAM = Path(__file__).with_name("guard_stop.py")
 LAST_WORD_S = 2.0
-"""Several times what `guard_stop` takes at most: ten tries of 30 ms."""
+"""Several times the longest run of `guard_stop`: ten tries of 30 ms."""
 
 
 class Guard(guard.Guard):

@@ -1,9 +1,8 @@
-"""The guard's program: waits until the driver dies or falls silent while a motor turns, then writes the stop. Imports
-little.
+"""The guard's program: waits until the driver dies or falls silent while a motor turns, then writes the stop.
 
-Run by path, without what is installed: `guard_stop.py LINE_FD PIPE_FD DRIVER_PIDFD SILENCE_MS STOP_HEX
-ACKNOWLEDGED_HEX [WORDS_FD WORDS_HEX]`; `-` for an acknowledgement: the controller gives none.
-See `lbr.drivers.watch` for what the driver says. Before the guard ends a silent driver it writes the words to their
+Imports little, and is run by path, without installed packages: `guard_stop.py LINE_FD PIPE_FD DRIVER_PIDFD SILENCE_MS
+STOP_HEX ACKNOWLEDGED_HEX [WORDS_FD WORDS_HEX]`. `-` for an acknowledgement: the controller sends none. See
+`lbr.drivers.watch` for the driver's messages. Before the guard ends a silent driver it writes the words to their
 descriptor.
 """
 
@@ -20,7 +19,7 @@ if __name__ == "__main__":
 from lbr.drivers.watch import outlast
 
 TRIES = 10
-AT_LEAST = 2  # the first may end a line that the driver left half written, and be refused with it
+AT_LEAST = 2  # the first may end a half-written line of the driver, and be refused with it
 ANSWER_S = 0.03
 KEPT_BYTES = 256
 
@@ -46,10 +45,10 @@ def main(
 
 
 def stopped(line: int, stop: bytes, acknowledged: bytes) -> bool:
-    """Write the stop and say whether it was acknowledged; a line that never falls silent is not waited for."""
+    """Write the stop; return whether it was acknowledged. Continuous input does not extend the wait."""
     answer = b""
     until = time.monotonic() + ANSWER_S
-    with suppress(OSError, termios.error):  # what is no tty has nothing to drop
+    with suppress(OSError, termios.error):  # only a tty has queues to drop
         termios.tcflush(line, termios.TCIOFLUSH)
     with suppress(OSError):
         os.write(line, stop)
@@ -60,7 +59,7 @@ def stopped(line: int, stop: bytes, acknowledged: bytes) -> bool:
 
 
 def is_acknowledged(answer: bytes, acknowledged: bytes) -> bool:
-    """Return whether an answer holds the acknowledgement; a controller that gives none is never believed."""
+    """Return whether an answer has the acknowledgement; always False for a controller that sends none."""
     return bool(acknowledged) and acknowledged in answer
 
 

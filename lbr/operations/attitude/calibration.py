@@ -1,4 +1,4 @@
-"""A calibration of the compass from command to picture: collect or read, fit, keep, draw. One at a time."""
+"""A calibration of the compass from command to picture: collect or read, fit, store, draw. One at a time."""
 
 from dataclasses import dataclass
 from datetime import datetime
@@ -27,15 +27,15 @@ from lbr.operations.attitude.settings import AttitudeSettings
 DRIVE = LeaseTarget("motion", "halt", "drive", "the drive does not answer")
 CLOCKWISE_DEG, ANTICLOCKWISE_DEG = 90.0, 270.0
 TURN, LOOK = "-", "-c"
-TELL_S = 0.2
+PUBLISH_S = 0.2
 STUCK_S = 3.0
 STUCK_DEG = 5.0
 HEADING_S = 2.0
-"""The wait at the end of a calibration for a heading by it: several measurements of the slowest compass."""
+"""The wait at the end of a calibration for a heading from it: several measurements of the slowest compass."""
 
 
 class Collection:
-    """Samples that come in while the body spins, and how far that is."""
+    """Samples collected while the body spins, and the state of the spin."""
 
     def __init__(self, command: CalibrateCommand, call: Call, spin: Holder, epoch: str, now: float) -> None:
         self.wanted = command.samples
@@ -47,7 +47,7 @@ class Collection:
         self.samples = Samples()
         self._moved_s = now
         self._moved_from_deg = inf
-        self._found, self._found_s = 0, now
+        self._counted, self._counted_s = 0, now
 
     @property
     def turns(self) -> bool:
@@ -56,7 +56,7 @@ class Collection:
 
     @property
     def complete(self) -> bool:
-        """Return whether there are as many as wanted, from all of a turn."""
+        """Return whether there are enough samples, from a full turn."""
         return len(self.samples) >= self.wanted and (self.samples.coverage >= 1.0 or len(self.samples) >= MOST)
 
     def is_stuck(self, turned_deg: float, now: float) -> bool:
@@ -65,39 +65,39 @@ class Collection:
             self._moved_s, self._moved_from_deg = now, turned_deg
         return now - self._moved_s > STUCK_S
 
-    def hears_nothing(self, now: float, every_s: float) -> bool:
-        """Return whether the compass has measured nothing for a while."""
-        if not self.turns or len(self.samples) != self._found:
-            self._found, self._found_s = len(self.samples), now
-        return now - self._found_s > STUCK_S + every_s
+    def is_silent(self, now: float, every_s: float) -> bool:
+        """Return whether the compass has delivered no sample for a while."""
+        if not self.turns or len(self.samples) != self._counted:
+            self._counted, self._counted_s = len(self.samples), now
+        return now - self._counted_s > STUCK_S + every_s
 
 
 @dataclass(frozen=True, slots=True)
-class Kept:
-    """A calibration in force that is not told yet: a heading by it must be published first, `until` at the latest."""
+class PendingReport:
+    """A calibration in force, not reported yet: first a heading from it must be published, or `until` must pass."""
 
     samples: Samples
     wanted: int
-    found: Fit
+    solution: Fit
     file: Path | None
     until: float
 
 
 class Calibration:
-    """Takes commands and samples; asks for motion, keeps what it finds, and tells by `calibration` and events."""
+    """Handles commands and samples; requests motion, stores the result, and publishes `calibration` and events."""
 
     def __init__(self, ctx: Context[AttitudeSettings], fusion: Fusion | Gravity) -> None:
         self._ctx = ctx
         self._fusion = fusion
         self._collection: Collection | None = None
-        self._kept: Kept | None = None
+        self._pending: PendingReport | None = None
         self._told_s = -inf
         self._progress = CalibrationProgress(phase="done", collected=0, wanted=0, coverage=0.0)
 
     def command(self, call: Call) -> None:
-        """Begin, unless one is under way."""
+        """Begin, unless one is in progress."""
         command: CalibrateCommand = call.message
-        if self._collection is not None or self._kept is not None:
+        if self._collection is not None or self._pending is not None:
             call.refuse("the compass is being calibrated already; 'stop' ends that", "busy")
         elif command.source in {TURN, LOOK}:
             self._spin(command, call)
@@ -105,7 +105,7 @@ class Calibration:
             self._read(command, call)
 
     def stop(self, reason: str, code: Code) -> bool:
-        """End the one under way and halt; say whether there was one."""
+        """End the one in progress and halt; return whether there was one."""
         if self._collection is None:
             return False
         why = Reason(code, reason)
@@ -114,24 +114,32 @@ class Calibration:
         return True
 
     def take(self, sample: ImuSample) -> None:
-        """Keep a sample, right after the fusion has felt it."""
+        """Store a sample, right after the fusion has processed it."""
         collection, turned_deg = self._collection, self._fusion.turned_deg
         if collection is not None and collection.turns and turned_deg is not None:
             collection.samples.take(sample, turned_deg, self._ctx.settings.sample_s)
 
     def published(self, state: AttitudeState) -> None:
-        """Tell of a new calibration once the drive was given a heading by it: a turn to one may follow at once."""
-        kept = self._kept
-        if kept is None or (state.heading_deg is None and self._ctx.clock() < kept.until):
+        """Report a new calibration after the heading from it: a turn to a heading may follow at once."""
+        pending = self._pending
+        if pending is None or (state.heading_deg is None and self._ctx.clock() < pending.until):
             return
-        self._kept = None
+        self._pending = None
         doubt = f"; the heading is not known yet: {state.heading_reason}" if state.heading_deg is None else ""
-        found = kept.found
-        self._done(kept.samples, kept.wanted, _summary(found) + doubt, residual=found.residual, coverage=found.coverage)
-        self._draw(kept.samples, found.calibration, kept.file, f"{found.residual:.1%} of the field left over")
+        solution = pending.solution
+        self._done(
+            pending.samples,
+            pending.wanted,
+            _summary(solution) + doubt,
+            residual=solution.residual,
+            coverage=solution.coverage,
+        )
+        self._draw(
+            pending.samples, solution.calibration, pending.file, f"{solution.residual:.1%} of the field left over"
+        )
 
     def step(self) -> None:
-        """Renew the motion, see whether there are enough samples, and tell."""
+        """Renew the motion, check for enough samples, and publish progress."""
         collection = self._collection
         if collection is not None:
             self._collect(collection)
@@ -162,7 +170,7 @@ class Calibration:
             collection.call.reply(CommandReply(accepted=True, reason="turning on the spot to calibrate the compass"))
             collection.call = None
         state = self._fusion.state(now)
-        found, wanted = len(collection.samples), collection.wanted
+        collected, wanted = len(collection.samples), collection.wanted
         if ended is not None:
             self._give_up(collection, ended)
         elif not state.valid or state.epoch != collection.epoch:
@@ -173,18 +181,18 @@ class Calibration:
             self.stop("the robot does not turn, although the drive took the command", "stuck")
         elif collection.complete:
             self._finish(collection)
-        elif collection.hears_nothing(now, settings.sample_s):
+        elif collection.is_silent(now, settings.sample_s):
             self.stop("the compass measures nothing; 'lbr status' tells what the inertial unit misses", "stale_sensor")
         elif now - collection.since_s > settings.calibration_limit_s:
             self.stop(
-                f"{found} of {wanted} samples within {settings.calibration_limit_s:g} s; ask for fewer", "timeout"
+                f"{collected} of {wanted} samples within {settings.calibration_limit_s:g} s; ask for fewer", "timeout"
             )
         else:
-            text = f"{found} of {wanted} samples, {collection.samples.coverage:.0%} of a turn seen"
+            text = f"{collected} of {wanted} samples, {collection.samples.coverage:.0%} of a turn seen"
             self._collecting(collection, text, now)
 
     def _collecting(self, collection: Collection, text: str, now: float) -> None:
-        if now - self._told_s < TELL_S:
+        if now - self._told_s < PUBLISH_S:
             return
         self._told_s = now
         self._progress = CalibrationProgress(
@@ -223,23 +231,23 @@ class Calibration:
         if trouble:
             call.refuse(trouble, "failed")
         else:
-            call.reply(CommandReply(accepted=True, reason=_summary(self._kept.found) if self._kept else ""))
+            call.reply(CommandReply(accepted=True, reason=_summary(self._pending.solution) if self._pending else ""))
 
     def _fit(self, samples: Samples, wanted: int, file: Path | None) -> str:
-        """Fit and keep; return why not, or nothing."""
+        """Fit and store the calibration; return the reason for a failure, or an empty string."""
         self._progress = CalibrationProgress(
             phase="fitting", collected=len(samples), wanted=wanted, coverage=samples.coverage
         )
         self._ctx.publish("calibration", self._progress)
         try:
-            found = fit(samples.mags_ut, samples.ups, self._ctx.settings)
+            solution = fit(samples.mags_ut, samples.ups, self._ctx.settings)
         except FitError as err:
             self._refused(len(samples), wanted, samples.coverage, Reason("failed", str(err)))
             self._draw(samples, None, file, "refused")
             return str(err)
-        self._ctx.learn(*measured(self._ctx.settings.device, found.calibration.values()))
+        self._ctx.learn(*measured(self._ctx.settings.device, solution.calibration.values()))
         self._fusion.calibrate(values(self._ctx.rows(CalibrationValue)))
-        self._kept = Kept(samples, wanted, found, file, self._ctx.clock() + HEADING_S)
+        self._pending = PendingReport(samples, wanted, solution, file, self._ctx.clock() + HEADING_S)
         return ""
 
     def _done(
@@ -275,7 +283,7 @@ class Calibration:
         )
 
     def _save(self, samples: Samples) -> Path | None:
-        """Write the samples down, if there are any; a full disk spoils no calibration."""
+        """Write the samples to a file, if there are any; a full disk does not spoil the calibration."""
         if not len(samples):
             return None
         try:
@@ -284,12 +292,12 @@ class Calibration:
             self._ctx.event("calibration_file", f"the samples could not be written down: {err}", level="warning")
             return None
 
-    def _draw(self, samples: Samples, calibration: MagCalibration | None, file: Path | None, what: str) -> None:
+    def _draw(self, samples: Samples, calibration: MagCalibration | None, file: Path | None, outcome: str) -> None:
         if file is None or not len(samples):
             return
         now = datetime.now().astimezone()
         drawing = Drawing(
-            title=f"{self._ctx.robot}, {now:%Y-%m-%d %H:%M}: {len(samples)} samples, {what}",
+            title=f"{self._ctx.robot}, {now:%Y-%m-%d %H:%M}: {len(samples)} samples, {outcome}",
             measured=_points(None, samples),
             corrected=[] if calibration is None else _points(calibration, samples),
         )
@@ -316,12 +324,12 @@ class Calibration:
         self._ctx.publish("calibration", self._progress)
 
 
-def _summary(found: Fit) -> str:
-    x, y, z = found.calibration.offset_ut
-    shape = "level turn" if found.flat else "all directions"
+def _summary(solution: Fit) -> str:
+    x, y, z = solution.calibration.offset_ut
+    shape = "level turn" if solution.flat else "all directions"
     return (
         f"calibrated by a {shape}: hard iron {x:.1f}, {y:.1f}, {z:.1f} uT; "
-        f"{found.residual:.1%} of the field left over, {found.coverage:.0%} of a turn seen"
+        f"{solution.residual:.1%} of the field left over, {solution.coverage:.0%} of a turn seen"
     )
 
 

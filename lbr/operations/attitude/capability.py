@@ -1,4 +1,4 @@
-"""Attitude as a capability: every sample goes through the fusion, at a fixed rate its state is told."""
+"""Attitude as a capability: every sample goes through the fusion, whose state is published at a fixed rate."""
 
 from math import inf, isfinite
 
@@ -17,15 +17,15 @@ from lbr.operations.attitude.settings import AttitudeSettings
 from lbr.operations.attitude.turns import Turns
 
 TELL_S = 0.5
-"""The time that nothing may be known before the capability calls itself degraded."""
+"""The time without a valid state before the capability is degraded."""
 STILL_S = 0.07
-"""The period of reports of a body that turns about no axis: at every second tick as the row comes."""
+"""The period of reports of a body that does not turn: every second tick at the default rate."""
 RESTS_AFTER_S, RESTING_S = 1.0, 0.5
-"""After so long without a turn a body whose base stands is reported in long periods."""
+"""After a second without a turn, with a standing base, the body is reported at long periods."""
 
 
 class Attitude(Capability[AttitudeSettings]):
-    """Tells how the body lies and where it looks, watches turns, and calibrates the compass."""
+    """Publishes the body's orientation and heading, watches turns, and calibrates the compass."""
 
     woken_by_streams = False
 
@@ -44,14 +44,14 @@ class Attitude(Capability[AttitudeSettings]):
         self._published_s = self._turned_s = -inf
 
     def open(self) -> None:
-        """Say so if the calibration that there is cannot be used."""
+        """Publish a warning if the stored calibration cannot be used."""
         problem = self._fusion.calibration.problem
         if problem:
             text = f"the compass goes on uncalibrated: {problem}; calibrate it again, on wheels by `/m/200`"
             self.ctx.event("calibration_unusable", text, level="warning")
 
     def step(self) -> None:
-        """Take in the samples; tell what follows at the fixed rate."""
+        """Process the samples; publish at the fixed rate."""
         for received in self.ctx.take("samples"):
             self._fusion.feel(received.message, received.arrived)
             self._calibration.take(received.message)
@@ -68,7 +68,7 @@ class Attitude(Capability[AttitudeSettings]):
         self._calibration.step()
 
     def answers(self) -> bool:
-        """Return whether it is known how the body lies, or reported why not."""
+        """Return whether the orientation is known, or its absence was reported."""
         return isfinite(self._known_s) or bool(self._warned)
 
     def command(self, call: Call) -> None:
@@ -100,7 +100,7 @@ class Attitude(Capability[AttitudeSettings]):
         return replace(state, rests=True) if stands and now - self._turned_s >= RESTS_AFTER_S else state
 
     def _period_s(self, state: AttitudeState) -> float:
-        """Return how long after the one before this state is published: at once, if it is another one."""
+        """Return the time between the previous state and this one: 0 for a change."""
         before = self._published
         if before is None or _kind(before) != _kind(state) or not (state.valid and state.still):
             return 0.0
@@ -126,7 +126,7 @@ class Attitude(Capability[AttitudeSettings]):
 
 
 def _kind(state: AttitudeState) -> tuple[object, ...]:
-    """Return what is published at once when it changes."""
+    """Return the values whose change is published at once."""
     known = state.heading_deg is not None, state.magnetic, state.calibrated
     return (state.valid, state.still, state.rests, state.epoch, *known)
 

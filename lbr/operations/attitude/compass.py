@@ -1,4 +1,4 @@
-"""The magnetometer's calibration as rows keep it, and whether a field can be the Earth's."""
+"""The magnetometer's calibration as stored in rows, and the checks of a field against the Earth's."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,17 +12,17 @@ OFFSETS = ("mag_offset_x_ut", "mag_offset_y_ut", "mag_offset_z_ut")
 MATRIX = tuple(tuple(f"mag_matrix_{row}{column}" for column in range(3)) for row in range(3))
 HORIZONTAL = "mag_horizontal_ut"
 SENSOR_LIMIT_UT = 3000.0
-"""More than any of the supported sensors measures, along all of its axes together (AK8975: 1229 each)."""
+"""A limit above that of every supported sensor, along all of its axes together (AK8975: 1229 each)."""
 
 _LEAST_DETERMINANT, _MOST_DETERMINANT = 0.01, 100.0
 
 
 @dataclass(frozen=True, slots=True)
 class MagCalibration:
-    """The surroundings of a compass: hard iron adds `offset_ut`, and `matrix` takes back the distortion by soft iron.
+    """The calibration of a compass: hard iron adds `offset_ut`, and `matrix` reverses the distortion by soft iron.
 
-    Both along the sensor's axes. `horizontal_ut` is the field along the ground where it was calibrated. `problem` says
-    why values that there are cannot be used.
+    Both are along the sensor's axes. `horizontal_ut` is the field along the ground at calibration. `problem` explains
+    why stored values cannot be used.
     """
 
     offset_ut: Vector = (0.0, 0.0, 0.0)
@@ -37,14 +37,14 @@ class MagCalibration:
 
     def values(self) -> dict[str, float]:
         """Return the values by the names of their rows."""
-        found = dict(zip(OFFSETS, self.offset_ut, strict=True))
+        values = dict(zip(OFFSETS, self.offset_ut, strict=True))
         for names, row in zip(MATRIX, self.matrix, strict=True):
-            found |= dict(zip(names, row, strict=True))
-        return found if self.horizontal_ut is None else found | {HORIZONTAL: self.horizontal_ut}
+            values |= dict(zip(names, row, strict=True))
+        return values if self.horizontal_ut is None else values | {HORIZONTAL: self.horizontal_ut}
 
 
 def from_values(values: Mapping[str, float]) -> MagCalibration:
-    """Return the calibration that rows hold; what they leave out is as if there were no iron."""
+    """Return the calibration in rows; missing rows count as no iron."""
     if not any(name in values for name in (*OFFSETS, *(name for row in MATRIX for name in row))):
         return MagCalibration()
     x, y, z = (values.get(name, 0.0) for name in OFFSETS)
@@ -63,7 +63,7 @@ def from_values(values: Mapping[str, float]) -> MagCalibration:
 
 
 def impossible(mag_ut: Vector) -> str:
-    """Say why a measurement cannot be one; empty if it can."""
+    """Return why a measurement is impossible, or an empty string."""
     strength = norm(mag_ut)
     if not isfinite(strength) or strength > SENSOR_LIMIT_UT:
         return f"the magnetometer measures {strength:.0f} uT, which it cannot"
@@ -71,7 +71,7 @@ def impossible(mag_ut: Vector) -> str:
 
 
 def disturbed(field_ut: Vector, up: Vector, calibration: MagCalibration, settings: AttitudeSettings) -> str:
-    """Say why a calibrated field cannot be the Earth's alone; empty if it can."""
+    """Return why a calibrated field cannot be the Earth's alone, or an empty string."""
     strength = norm(field_ut)
     if not settings.field_min_ut <= strength <= settings.field_max_ut:
         remedy = "" if calibration.known else "; the compass was never calibrated: on wheels `/m/200` does it"

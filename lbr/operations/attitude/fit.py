@@ -1,6 +1,6 @@
 """Hard and soft iron of a compass, by least squares: an ellipsoid, or an ellipse for a body that only turned level.
 
-Ellipse: Halir and Flusser 1998, the direct fit that can be nothing else than an ellipse. Pure numpy, no I/O.
+Ellipse: Halir and Flusser 1998, the direct fit whose result is always an ellipse. Pure numpy, no I/O.
 """
 
 from collections.abc import Sequence
@@ -21,11 +21,11 @@ LEAST_SAMPLES = 50
 SECTORS = 24
 LEAST_SPREAD_UT = 1.0
 FLAT = 0.25
-"""A cloud of samples is flat when its thickness is less of its length than this."""
+"""The greatest ratio of thickness to length at which a cloud of samples counts as flat."""
 MOST_DISTORTED = 4.0
 MOST_OUTLIERS = 0.1
 HORIZONTAL_UT = (5.0, 60.0)
-"""Field along the ground: 0 at the magnetic poles, 42 at most, and what a sensor's own scale may add."""
+"""The range of the field along the ground: 0 at the magnetic poles, 42 at most, plus the error of a sensor's scale."""
 
 _OUTLIER_DEVIATIONS = 4.0
 _NORMAL = 1.4826
@@ -34,14 +34,14 @@ Floats = NDArray[np.floating[Any]]
 
 
 class FitError(LbrError):
-    """Samples that make no calibration; the sentence says why, and what to do."""
+    """The samples give no calibration; the sentence has the reason and the cure."""
 
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """A calibration, and how well it fits: `residual` is what it leaves, as a part of the field (rms).
+    """A calibration and its quality: `residual` is the remaining error, as a fraction of the field (rms).
 
-    `coverage` is the part of a full turn that its samples show.
+    `coverage` is the fraction of a full turn in its samples.
     """
 
     calibration: MagCalibration
@@ -51,9 +51,9 @@ class Fit:
 
 
 def fit(mags_ut: Sequence[Vector], ups: Sequence[Vector], settings: AttitudeSettings) -> Fit:
-    """Return the calibration of samples along the sensor's axes; raise FitError.
+    """Return the calibration from samples along the sensor's axes; raise FitError.
 
-    `ups` says for each where up was; its length does not count.
+    `ups` has the upward vector of each sample, of any length.
     """
     if len(mags_ut) < LEAST_SAMPLES:
         raise FitError(f"{len(mags_ut)} samples are too few; a calibration needs {LEAST_SAMPLES}")
@@ -69,17 +69,17 @@ def fit(mags_ut: Sequence[Vector], ups: Sequence[Vector], settings: AttitudeSett
         raise FitError("the samples lie along a line; turn the robot all the way round")
     flat = bool(spread[2] < FLAT * spread[0])
     solve = _flat if flat else _round
-    kept = np.ones(len(mags), dtype=bool)
+    used = np.ones(len(mags), dtype=bool)
     for _ in range(2):
-        found = solve(mags[kept], up[kept])
-        errors = _errors(found, mags, up, flat=flat)
+        calibration = solve(mags[used], up[used])
+        errors = _errors(calibration, mags, up, flat=flat)
         limit = _OUTLIER_DEVIATIONS * _NORMAL * float(np.median(np.abs(errors - np.median(errors))))
-        kept = np.abs(errors - np.median(errors)) <= max(limit, 1e-6)
-    return _judged(found, mags[kept], up[kept], 1.0 - float(kept.mean()), flat=flat, settings=settings)
+        used = np.abs(errors - np.median(errors)) <= max(limit, 1e-6)
+    return _judged(calibration, mags[used], up[used], 1.0 - float(used.mean()), flat=flat, settings=settings)
 
 
 def coverage_of(angles_deg: Sequence[float]) -> float:
-    """Return the part of a full turn that angles cover."""
+    """Return the fraction of a full turn that these angles cover."""
     return len({int(angle % 360.0 / (360.0 / SECTORS)) % SECTORS for angle in angles_deg}) / SECTORS
 
 
@@ -93,14 +93,14 @@ def level_part(calibration: MagCalibration | None, mags_ut: Sequence[Vector], up
 
 
 def _judged(
-    found: MagCalibration, mags: Floats, up: Floats, outliers: float, *, flat: bool, settings: AttitudeSettings
+    calibration: MagCalibration, mags: Floats, up: Floats, outliers: float, *, flat: bool, settings: AttitudeSettings
 ) -> Fit:
-    errors = _errors(found, mags, up, flat=flat)
+    errors = _errors(calibration, mags, up, flat=flat)
     residual = float(np.sqrt(np.mean(errors**2)))
-    level = level_part(found, mags.tolist(), up.tolist())
+    level = level_part(calibration, mags.tolist(), up.tolist())
     coverage = coverage_of(np.degrees(np.arctan2(level[:, 1], level[:, 0])).tolist())
-    stretch = np.linalg.svd(np.array(found.matrix), compute_uv=False)
-    total = float(np.mean(np.linalg.norm((mags - found.offset_ut) @ np.array(found.matrix).T, axis=1)))
+    stretch = np.linalg.svd(np.array(calibration.matrix), compute_uv=False)
+    total = float(np.mean(np.linalg.norm((mags - calibration.offset_ut) @ np.array(calibration.matrix).T, axis=1)))
     horizontal = float(np.mean(np.linalg.norm(level, axis=1)))
     if coverage < settings.min_coverage:
         raise FitError(
@@ -116,17 +116,17 @@ def _judged(
     strength, (least, most) = (horizontal, HORIZONTAL_UT) if flat else (total, _limits(settings))
     if not least <= strength <= most:
         raise FitError(f"a field of {strength:.0f} uT is not the Earth's, which has {least:g} to {most:g}")
-    kept = MagCalibration(found.offset_ut, found.matrix, horizontal, known=True)
-    return Fit(kept, residual, coverage, flat)
+    result = MagCalibration(calibration.offset_ut, calibration.matrix, horizontal, known=True)
+    return Fit(result, residual, coverage, flat)
 
 
 def _limits(settings: AttitudeSettings) -> tuple[float, float]:
     return settings.field_min_ut, settings.field_max_ut
 
 
-def _errors(found: MagCalibration, mags: Floats, up: Floats, *, flat: bool) -> Floats:
-    """Return how far each sample is from the circle or sphere it should lie on, as a part of its radius."""
-    corrected = (mags - found.offset_ut) @ np.array(found.matrix).T
+def _errors(calibration: MagCalibration, mags: Floats, up: Floats, *, flat: bool) -> Floats:
+    """Return the distance of each sample from its ideal circle or sphere, as a fraction of the radius."""
+    corrected = (mags - calibration.offset_ut) @ np.array(calibration.matrix).T
     radii = np.linalg.norm(corrected @ _level(up).T if flat else corrected, axis=1)
     errors: Floats = radii / (np.mean(radii) or 1.0) - 1.0
     return errors
@@ -146,7 +146,7 @@ def _level(up: Floats) -> Floats:
 
 
 def _flat(mags: Floats, up: Floats) -> MagCalibration:
-    """Fit an ellipse to the level part, and leave what is along the vertical alone."""
+    """Fit an ellipse to the level part, and leave the vertical part unchanged."""
     axes = _level(up)
     points = mags @ axes.T
     middle = points.mean(axis=0)

@@ -1,7 +1,7 @@
-"""From samples of an inertial unit to how the body lies and where it looks. No I/O and no clock of its own.
+"""Orientation and heading of the body from samples of an inertial unit. No I/O and no clock of its own.
 
-The same samples give the same states. Fusion's filter (imufusion) keeps the orientation by gyro, accelerometer and
-compass; the angle turned is the gyro's alone, so that the compass cannot make it jump.
+The same samples give the same states. Fusion's filter (imufusion) computes the orientation from gyro, accelerometer and
+compass. The angle turned is the gyro's alone, so that the compass cannot make it jump.
 """
 
 from collections.abc import Mapping
@@ -43,9 +43,9 @@ _LONGEST_PULL_S = 0.5
 
 
 class Fusion:
-    """Takes every sample by `feel`, and says by `state` what follows.
+    """Processes every sample by `feel`; `state` returns the result.
 
-    `heard_s` and `now` are of one monotonic clock; the samples' own times may be of another.
+    `arrived_s` and `now` are of one monotonic clock; the samples' own times may be of another.
     """
 
     def __init__(self, settings: AttitudeSettings, values: Mapping[str, float], name: str) -> None:
@@ -57,7 +57,7 @@ class Fusion:
         self._epochs = 1
         self._began = False
         self._last: ImuSample | None = None
-        self._heard_s: float | None = None
+        self._arrived_s: float | None = None
         self._missed = ""
         self._suspicion = Suspicion(settings)
         self._trouble = ""
@@ -66,7 +66,7 @@ class Fusion:
         self._rate_dps = 0.0
         self._turned_deg = 0.0
         self._field_s: float | None = None
-        self._field_heard_s: float | None = None
+        self._field_measured_s: float | None = None
         self._field_trouble = NOT_MEASURED
         self._contradicts_since_s: float | None = None
         self._aligned = False
@@ -74,29 +74,29 @@ class Fusion:
 
     @property
     def epoch(self) -> str:
-        """Name the count of `turned_deg` that goes on now."""
+        """Return the name of the current count of `turned_deg`."""
         return f"{self._name}-{self._epochs}"
 
     @property
     def turned_deg(self) -> float | None:
-        """Return how far the body has turned in this epoch; None while that is not known."""
+        """Return the angle that the body has turned in this epoch; None while it is unknown."""
         return self._turned_deg if self._began else None
 
     @property
     def up_sensor(self) -> Vector:
-        """Return where up is, along the sensor's axes."""
+        """Return the upward vector along the sensor's axes."""
         rows = self._mount
         x, y, z = (dot((rows[0][axis], rows[1][axis], rows[2][axis]), self._up) for axis in range(3))
         return (x, y, z)
 
     def calibrate(self, values: Mapping[str, float]) -> None:
-        """Take over another calibration of the compass; the heading may jump, the angle turned goes on."""
+        """Set another calibration of the compass; the heading may jump, the angle turned continues."""
         self.calibration = from_values(values)
         self._aligned = False
         self._contradicts_since_s, self._field_trouble = None, NOT_MEASURED
 
-    def feel(self, sample: ImuSample, heard_s: float) -> None:
-        """Take in a sample; one that comes twice, or late, counts once."""
+    def feel(self, sample: ImuSample, arrived_s: float) -> None:
+        """Process a sample; a repeated or late one counts once."""
         if not sample.valid or sample.gyro_rps is None or sample.accel_mps2 is None:
             self._missed = f"the inertial unit: {sample.reason or 'its sample has no gyro or accelerometer'}"
             return
@@ -110,14 +110,14 @@ class Fusion:
         if not 0.0 <= gap_s <= self._settings.gap_s:
             self._fail(missed or f"samples of {gap_s:.2f} s are missing")
         trouble = self._suspicion.impossible(last, sample, sample.gyro_rps, sample.accel_mps2)
-        self._last, self._heard_s = sample, heard_s
+        self._last, self._arrived_s = sample, arrived_s
         if trouble:
             self._fail(trouble)
         else:
             self._take(sample, times(self._mount, sample.gyro_rps), times(self._mount, sample.accel_mps2), gap_s)
 
     def state(self, now: float) -> AttitudeState:
-        """Return what is known now."""
+        """Return the current state."""
         reason = self._reason(now)
         measured_s = self._last.time_s if self._last is not None else 0.0
         if reason:
@@ -152,11 +152,11 @@ class Fusion:
         )
 
     def _reason(self, now: float) -> str:
-        """Say why nothing is known; empty if all is well."""
+        """Return why nothing is known, or an empty string."""
         s = self._settings
-        if self._heard_s is None:
+        if self._arrived_s is None:
             return self._missed or "no sample from the inertial unit yet"
-        silent_s = now - self._heard_s
+        silent_s = now - self._arrived_s
         if self._missed and silent_s > s.gap_s:
             return self._missed
         if silent_s > s.stale_s:
@@ -168,7 +168,7 @@ class Fusion:
         return "" if self._began else "the inertial unit's first samples"
 
     def _fail(self, reason: str) -> None:
-        """End what was counted: some of the turn was not seen."""
+        """End the count, because a part of the turn was not measured."""
         self._trouble, self._good_since_s = reason, None
         self._stillness.interrupt()
         if self._began:
@@ -209,7 +209,7 @@ class Fusion:
         self._rate_dps = -dot(rate, up) * _DEG
 
     def _turn(self, rate: Vector, accel: Vector, gap_s: float, span_s: float) -> None:
-        """Take in a rate at the end of a gap, or the mean one over a span behind it."""
+        """Add a rate at the end of a gap, or the mean rate over the span before it."""
         ahrs = self._ahrs
         ahrs.set_sample_period(gap_s + span_s)
         ahrs.update_no_magnetometer(scaled(rate, _DEG), scaled(accel, 1.0 / G_MPS2))
@@ -218,9 +218,9 @@ class Fusion:
         self._turned_deg += 0.5 * (before_dps + self._rate_dps) * gap_s + self._rate_dps * span_s
 
     def _look(self, time_s: float, field: Vector) -> None:
-        """Let the compass pull the heading, unless its field is disturbed."""
+        """Let the compass correct the heading, unless its field is disturbed."""
         since_s = self._field_s
-        self._field_heard_s = time_s
+        self._field_measured_s = time_s
         compass = compass_yaw_deg(field, self._up)
         self._field_trouble = disturbed(field, self._up, self.calibration, self._settings)
         if self._field_trouble:
@@ -241,7 +241,7 @@ class Fusion:
         self._ahrs.update(_NOTHING, _NOTHING, field)
 
     def _contradiction(self, time_s: float, compass_deg: float) -> str:
-        """Say how compass and gyro differ; after a while the compass is believed all the same."""
+        """Return how compass and gyro differ, or an empty string; after a while the compass is trusted anyway."""
         if not self._aligned:
             self._contradicts_since_s = None
             return ""
@@ -257,16 +257,16 @@ class Fusion:
         return f"the compass contradicts the gyro by {abs(apart):.0f} degrees"
 
     def _heading_unknown(self, time_s: float) -> str:
-        """Say why the heading is not known; empty if it is."""
+        """Return why the heading is unknown, or an empty string."""
         hold_s = self._settings.field_hold_s
         if self._aligned and self._field_s is not None and time_s - self._field_s <= hold_s:
             return ""
         if self.calibration.problem:
             return f"the compass: {self.calibration.problem}; on wheels `/m/200` calibrates it"
-        if self._field_heard_s is None:
+        if self._field_measured_s is None:
             return NO_FIELD
-        if time_s - self._field_heard_s > hold_s:
-            return f"{NO_FIELD} for {time_s - self._field_heard_s:.1f} s"
+        if time_s - self._field_measured_s > hold_s:
+            return f"{NO_FIELD} for {time_s - self._field_measured_s:.1f} s"
         return self._field_trouble or NOT_MEASURED
 
     def _quaternion(self) -> Quaternion:
@@ -275,7 +275,7 @@ class Fusion:
 
 
 def _filter(gain: float) -> Any:
-    """Make the filter; Any, because it takes any three numbers, and its stubs arrays only.
+    """Create the filter; Any, because it accepts any three numbers, and its stubs only arrays.
 
     Its settings are set one by one: the constructor of version 1.3 loses `convention`.
     """

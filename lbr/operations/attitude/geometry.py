@@ -1,4 +1,4 @@
-"""Vectors, rotations and angles on plain floats: three numbers are too few for arrays to pay.
+"""Vectors, rotations and angles on plain floats: for three numbers arrays would be slower.
 
 Frames are REP 103: body x ahead, y left, z up; world x east, y north, z up. Quaternions are w, x, y, z, body to world.
 """
@@ -59,7 +59,7 @@ def rotation(roll_deg: float, pitch_deg: float, yaw_deg: float) -> Matrix:
 
 
 def axis_map(axes: str) -> Matrix:
-    """Return the rotation that `axes` names, such as `-y+x+z`: the body's x, y and z, each as an axis of the sensor.
+    """Return the rotation for `axes`, such as `-y+x+z`: the body's x, y and z, each as an axis of the sensor.
 
     Raise ValueError if they are not three different axes that make a right-handed frame.
     """
@@ -99,7 +99,7 @@ def turned_about_up(q: Quaternion, yaw_rad: float) -> Quaternion:
 
 
 def level(up: Vector) -> Quaternion:
-    """Return the quaternion, with yaw 0, of a body that sees `up` there."""
+    """Return the quaternion, with yaw 0, of a body with this upward vector."""
     return from_euler(atan2(up[1], up[2]), atan2(-up[0], hypot(up[1], up[2])), 0.0)
 
 

@@ -1,7 +1,7 @@
 """The lean of a body by an accelerometer alone, for inertial units without a gyro: slow, and right only at rest. No
 I/O.
 
-It has the face of `Fusion`; where the body looks, and how far it has turned, is not known to it.
+It has the interface of `Fusion`, without heading and turned angle.
 """
 
 from collections.abc import Mapping
@@ -16,13 +16,13 @@ from lbr.operations.attitude.settings import AttitudeSettings
 
 NO_GYRO = "the inertial unit has no gyro and no compass"
 SMOOTH_S = 0.15
-"""Steps shake the trunk: what lasts less than this hardly counts."""
+"""The smoothing time: steps shake the trunk, and shorter motions hardly count."""
 LEAST_MPS2 = 1.0
-"""Less than this left over of several samples points nowhere."""
+"""The shortest mean acceleration that still has a direction."""
 
 
 class Gravity:
-    """Takes every sample by `feel`, and says by `state` how the body leans."""
+    """Processes every sample by `feel`; `state` returns the lean of the body."""
 
     turned_deg = None
 
@@ -32,24 +32,24 @@ class Gravity:
         self._mount = settings.mounting.matrix()
         self._accel: Vector = (0.0, 0.0, 0.0)
         self._measured_s: float | None = None
-        self._heard_s: float | None = None
+        self._arrived_s: float | None = None
         self._began_s: float | None = None
         self._missed = ""
         self.calibrate(values)
 
     @property
     def up_sensor(self) -> Vector:
-        """Return where up is, along the sensor's axes."""
+        """Return the upward vector along the sensor's axes."""
         rows, up = self._mount, self._up()
         x, y, z = (dot((rows[0][axis], rows[1][axis], rows[2][axis]), up) for axis in range(3))
         return (x, y, z)
 
     def calibrate(self, values: Mapping[str, float]) -> None:
-        """Take over a calibration of the compass, which is of no use here."""
+        """Set a calibration of the compass, which has no use here."""
         self.calibration = from_values(values)
 
-    def feel(self, sample: ImuSample, heard_s: float) -> None:
-        """Take in a sample; one that comes twice, or late, counts once."""
+    def feel(self, sample: ImuSample, arrived_s: float) -> None:
+        """Process a sample; a repeated or late one counts once."""
         s = self._settings
         if not sample.valid or sample.accel_mps2 is None:
             self._missed = f"the inertial unit: {sample.reason or 'its sample has no accelerometer'}"
@@ -67,11 +67,11 @@ class Gravity:
         share = 1.0 if afresh or gap_s is None else 1.0 - exp(-gap_s / SMOOTH_S)
         x, y, z = (old + share * (new - old) for old, new in zip(self._accel, accel, strict=True))
         self._accel, self._missed = (x, y, z), ""
-        self._measured_s, self._heard_s = sample.time_s, heard_s
+        self._measured_s, self._arrived_s = sample.time_s, arrived_s
         self._began_s = sample.time_s if afresh or self._began_s is None else self._began_s
 
     def state(self, now: float) -> AttitudeState:
-        """Return what is known now."""
+        """Return the current state."""
         measured_s, reason = self._measured_s or 0.0, self._reason(now)
         if reason:
             return AttitudeState(
@@ -92,12 +92,12 @@ class Gravity:
         return scaled(self._accel, 1.0 / (norm(self._accel) or 1.0))
 
     def _reason(self, now: float) -> str:
-        """Say why nothing is known; empty if all is well."""
+        """Return why nothing is known, or an empty string."""
         s = self._settings
-        if self._heard_s is None or self._measured_s is None or self._began_s is None:
+        if self._arrived_s is None or self._measured_s is None or self._began_s is None:
             return self._missed or "no sample from the inertial unit yet"
-        if now - self._heard_s > s.stale_s:
-            return self._missed or f"no sample from the inertial unit for {now - self._heard_s:.1f} s"
+        if now - self._arrived_s > s.stale_s:
+            return self._missed or f"no sample from the inertial unit for {now - self._arrived_s:.1f} s"
         if self._measured_s - self._began_s < s.recover_s or norm(self._accel) < LEAST_MPS2:
             return self._missed or "the inertial unit's first samples"
         return ""

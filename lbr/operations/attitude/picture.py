@@ -8,13 +8,13 @@ from msgspec import Struct
 
 Points = list[tuple[float, float]]
 SIZE, MARGIN = 700, 60
-"""In pixels, of a square."""
+"""The side of the square and its margin, in pixels."""
 MOST_DRAWN = 2000
-"""Of each kind: more cannot be told apart."""
+"""The most points of each kind: more could not be distinguished."""
 STEPS_UT = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
-"""Between two lines of the grid."""
+"""The possible distances between two lines of the grid."""
 LINES = 6
-"""On each side of the middle, at most."""
+"""The most lines on each side of the middle."""
 
 
 class Drawing(Struct, frozen=True, kw_only=True):
@@ -26,14 +26,14 @@ class Drawing(Struct, frozen=True, kw_only=True):
 
 
 def save(drawing: Drawing, path: Path) -> None:
-    """Write the file; it is there whole or not at all."""
+    """Write the file atomically."""
     unfinished = path.with_suffix(".part")
     unfinished.write_text(svg(drawing), encoding="utf-8")
     unfinished.replace(path)
 
 
 def svg(drawing: Drawing) -> str:
-    """Return the picture: both kinds of points about the middle, with as much on the x axis as on the y axis."""
+    """Return the picture: both kinds of points about the middle, with the same scale on both axes."""
     kinds = (("measured", "#e07b00", drawing.measured), ("corrected", "#1f77b4", drawing.corrected))
     points = [point for _, _, of_kind in kinds for point in of_kind if all(map(math.isfinite, point))]
     most = max((abs(one) for point in points for one in point), default=1.0)

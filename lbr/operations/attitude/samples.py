@@ -17,17 +17,17 @@ FOLDER = "calibration"
 MOST = 4000
 MOST_FILE_BYTES = 4 * 1024 * 1024
 MOST_KEPT = 50
-"""Files of samples that calibrations leave, each with its picture; the oldest go."""
+"""The most files of samples that calibrations leave, each with its picture; the oldest are deleted."""
 HEADER = ("time_s", "mag_x_ut", "mag_y_ut", "mag_z_ut", "accel_x_mps2", "accel_y_mps2", "accel_z_mps2", "turned_deg")
 MOST_NUMBER = 1e6
 SHORT_HEADER = ("x", "y", "z")
-"""The columns in place of the magnetic field's in files of other programs; capital letters do not count."""
+"""The columns of the magnetic field in files of other programs; case is ignored."""
 _OWN = re.compile(r"mag-\d{8}-\d{6}\.csv")
 
 
 @dataclass(slots=True)
 class Samples:
-    """Magnetic fields along the sensor's axes, each with where up was then."""
+    """Magnetic fields along the sensor's axes, each with its upward vector."""
 
     mags_ut: list[Vector] = field(default_factory=list)
     ups: list[Vector] = field(default_factory=list)
@@ -39,11 +39,11 @@ class Samples:
 
     @property
     def coverage(self) -> float:
-        """Return the part of a full turn that the angles turned cover."""
+        """Return the fraction of a full turn that the turned angles cover."""
         return coverage_of(self.turned_deg)
 
     def take(self, sample: ImuSample, turned_deg: float, every_s: float) -> None:
-        """Keep a sample that has a field, unless the last one is too recent or there are too many."""
+        """Store a sample that has a field, unless the last one is too recent or there are too many."""
         if sample.mag_ut is None or sample.accel_mps2 is None or len(self) >= MOST:
             return
         if self.times_s and sample.time_s - self.times_s[-1] < every_s - 1e-6:
@@ -62,7 +62,7 @@ class Samples:
 
 
 def save(home: str, samples: Samples, when: datetime) -> Path:
-    """Write a file with the date in its name and return where; the oldest of such files go."""
+    """Write a file with the date in its name and return its path; delete the oldest of such files."""
     path = _folder(home) / f"mag-{when:%Y%m%d-%H%M%S}.csv"
     rows = zip(samples.times_s, samples.mags_ut, samples.ups, samples.turned_deg, strict=True)
     with path.open("w", newline="") as file:
@@ -74,7 +74,7 @@ def save(home: str, samples: Samples, when: datetime) -> Path:
     own = sorted(file for file in path.parent.glob("mag-*.csv") if _OWN.fullmatch(file.name) and file != path)
     for old in own[: 1 - MOST_KEPT]:
         old.unlink(missing_ok=True)
-        for picture in (".svg", ".png"):  # which were drawn before
+        for picture in (".svg", ".png"):  # of earlier versions
             old.with_suffix(picture).unlink(missing_ok=True)
     return path
 
@@ -102,7 +102,7 @@ def _folder(home: str) -> Path:
 
 
 def _place(home: str, name: str) -> Path:
-    """Return the file that a name means, if it is one of that folder."""
+    """Return the file of a name, if it is in that folder."""
     folder = _folder(home).resolve()
     allowed = f"a source is '-' (turn), '-c' (turn, and only draw) or the name of a file in {folder}"
     if name.startswith("-") or "\x00" in name or Path(name).name != name or name in {"", ".", ".."}:

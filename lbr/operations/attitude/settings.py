@@ -13,7 +13,7 @@ MicroTesla = Annotated[float, Meta(ge=0.0, le=10000.0, description="microtesla")
 
 
 class Mounting(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The place of the sensor in the body (REP 103: x ahead, y left, z up).
+    """The orientation of the sensor in the body (REP 103: x ahead, y left, z up).
 
     Roll, pitch and yaw, or `axes`: the body's x, y and z as axes of the sensor. With the sensor's x to the right and y
     ahead: `+y-x+z`, or a yaw of -90.
@@ -25,7 +25,7 @@ class Mounting(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     axes: Annotated[str, Meta(pattern="^([+-][xyz]){3}$(?!\\n)|^$(?!\\n)")] = ""
 
     def __post_init__(self) -> None:
-        """Refuse axes that are no right-handed frame, and both ways at once."""
+        """Refuse axes that are not a right-handed frame, and both ways at once."""
         if self.axes:
             axis_map(self.axes)
             if self.roll_deg or self.pitch_deg or self.yaw_deg:
@@ -37,12 +37,13 @@ class Mounting(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class AttitudeSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Settings of a row of kind `attitude`; `device` is the inertial unit whose calibration it keeps.
+    """Settings of a row of kind `attitude`; `device` is the inertial unit of the stored calibration.
 
-    The gyro's zero is learnt at rest: no axis off by more than `bias_limit_dps` or noisier than `still_noise_dps`
-    (standard deviation), a steady field, a turn below `still_dps`. A magnetic field outside its limits, or
-    `field_tolerance` of the calibrated one off, is disturbed: the heading goes on by gyro for `field_hold_s`, then is
-    unknown. A compass `compass_jump_deg` off the gyro is not believed for `compass_retrust_s`.
+    The gyro's zero is learnt at rest. Then no axis is off by more than `bias_limit_dps` or noisier than
+    `still_noise_dps` (standard deviation), the field is steady, and the turn is below `still_dps`. A magnetic field is
+    disturbed outside its limits, or when it differs from the calibrated one by `field_tolerance`. The heading then
+    continues by gyro for `field_hold_s`, and is unknown afterwards. A compass that differs from the gyro by
+    `compass_jump_deg` is not trusted for `compass_retrust_s`.
     """
 
     device: Name

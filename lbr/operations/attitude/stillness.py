@@ -1,4 +1,4 @@
-"""Tells whether the body is still, and the gyro's zero, which is learnt only then. No I/O, no clock."""
+"""Detects a still body, and learns the gyro's zero, only then. No I/O, no clock."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -10,10 +10,10 @@ from lbr.operations.attitude.settings import AttitudeSettings
 
 BLOCK_S = 0.5
 NEXT_BLOCKS = 6
-"""At rest for this many blocks, the zero is learnt again."""
+"""The number of blocks at rest after which the zero is learnt again."""
 FIRST_BLOCK_S = 0.25
 FIRST_BLOCKS = 2
-"""The first zero comes sooner: 50 samples of an MPU-9150 (0.06 deg/s of noise, datasheet) tell it to 0.01 deg/s."""
+"""The first zero comes sooner: 50 samples of an MPU-9150 (0.06 deg/s of noise, datasheet) give it to 0.01 deg/s."""
 WEIGHT = 0.3
 """The weight of newer blocks, once a zero is known."""
 FIELD_TURNED_DEG = 2.0
@@ -64,7 +64,7 @@ class _Block:
 
 
 class Stillness:
-    """Takes every sample, along the body's axes, and tells `still` and `bias_rps` (None until it is known)."""
+    """Processes every sample, along the body's axes, into `still` and `bias_rps` (None until it is known)."""
 
     def __init__(self, settings: AttitudeSettings) -> None:
         self.bias_rps: Vector | None = None
@@ -83,15 +83,15 @@ class Stillness:
 
     @property
     def compass_deg(self) -> float | None:
-        """The compass's yaw over the last block at rest, which is truer than one sample; None without one."""
+        """The compass's yaw over the last block at rest, which is more exact than one sample; None without one."""
         return self._yaws[-1] if self._yaws and self.still else None
 
     def interrupt(self) -> None:
-        """Forget what is under way, because samples are missing; what was learnt stays."""
+        """Discard the unfinished blocks, because samples are missing; the learnt zero stays."""
         self._block, self._streak, self._yaws, self._last_s = None, [], [], None
 
     def add(self, time_s: float, gyro_rps: Vector, accel_mps2: Vector, mag_ut: Vector | None) -> None:
-        """Take in a sample; `gyro_rps` as it was measured."""
+        """Add a sample; `gyro_rps` as it was measured."""
         self._smooth(time_s, gyro_rps)
         block = self._block
         if block is None:
@@ -147,13 +147,13 @@ class Stillness:
         watched = len(self._yaws) == count
         self._streak, self._yaws = self._streak[-1:], self._yaws[-1:]
         if bias is None or (watched and turned_deg > 2 * FIELD_TURNED_DEG):
-            self.bias_rps = mean  # the gyro says that the body turns, and the field that it does not
+            self.bias_rps = mean  # the gyro measures a turn, and the field does not
         elif norm(minus(mean, bias)) < radians(self._settings.still_dps):
             self.bias_rps = tuple(old + WEIGHT * (new - old) for old, new in zip(bias, mean, strict=True))  # type: ignore[assignment]
 
 
 def _yaw_deg(block: _Block) -> Iterator[float]:
-    """Give the compass's yaw over a block, if it has one."""
+    """Yield the compass's yaw over a block, if it has one."""
     if block.mag.count == 0:
         return
     accel = block.accel.mean()

@@ -15,7 +15,7 @@ _SMOOTH_S = 0.1
 
 
 class Suspicion:
-    """Looks at each sample beside the last good one, and says in a sentence what is wrong; nothing if it is good."""
+    """Compares each sample with the last good one, and returns a sentence about an error, or an empty string."""
 
     def __init__(self, settings: AttitudeSettings) -> None:
         self._settings = settings
@@ -24,14 +24,15 @@ class Suspicion:
         self._accel_mps2 = G_MPS2
 
     def jump(self, last: ImuSample | None, gyro: Vector, gap_s: float) -> str:
-        """Say that no body speeds up so; a gyro that jumped is believed again near its last rate, or at rest."""
+        """Return an error if no body accelerates so; after a jump the gyro is trusted again near its last rate, or at
+        rest."""
         self._jumped = self._jumps(last, gyro, gap_s)
         return (
             f"the gyro jumped by more than {self._settings.gyro_jump_dps:g} degrees per second" if self._jumped else ""
         )
 
     def impossible(self, last: ImuSample | None, sample: ImuSample, gyro: Vector, accel: Vector) -> str:
-        """Say why a sample cannot be what happened."""
+        """Return why a sample is impossible, or an empty string."""
         s = self._settings
         fastest_dps = degrees(max(abs(gyro[0]), abs(gyro[1]), abs(gyro[2])))
         strength = norm(accel)
@@ -59,5 +60,5 @@ class Suspicion:
 
 
 def _within(a: Vector, b: Vector, limit: float) -> bool:
-    """Return whether no part differs by more; what is not a number is left to others."""
+    """Return whether no component differs by more; NaN is left to other checks."""
     return not (abs(a[0] - b[0]) > limit or abs(a[1] - b[1]) > limit or abs(a[2] - b[2]) > limit)

@@ -1,4 +1,4 @@
-"""Battery: charge and charging, from what the motor controller measures."""
+"""Battery: charge and charging, from the motor controller's measurements."""
 
 from itertools import pairwise
 from typing import Annotated
@@ -33,10 +33,11 @@ AGM_12V: tuple[tuple[float, float], ...] = (
 class BatterySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `battery`; the defaults are a 12 V AGM battery of 35 Ah.
 
-    `table`: volts at rest and charge, both ascending. Volts at rest: as measured, plus what the current through
-    `internal_ohm` (battery and cables) takes; `idle_a` is drawn beside the motors. It charges once these are above
-    `charging_v` for `charging_after_s`, until they are below `discharging_v` for `discharging_after_s` or it drives.
-    Afterwards only a rise by `charging_rise_v` means a charger.
+    `table`: volts at rest and charge, both ascending. The volts at rest are the measured ones plus the drop of the
+    current over `internal_ohm` (battery and cables); `idle_a` is the current beside the motors. The battery counts as
+    charging once these are above `charging_v` for `charging_after_s`. It no longer does when they are below
+    `discharging_v` for `discharging_after_s`, or it drives. Afterwards only a rise by `charging_rise_v` means a
+    charger.
     """
 
     table: Annotated[tuple[tuple[Volts, Annotated[float, Meta(ge=0.0, le=1.0)]], ...], Meta(min_length=2)] = AGM_12V
@@ -56,7 +57,7 @@ class BatterySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     repeat_s: Annotated[float, Meta(ge=1.0, le=86400.0, description="between two warnings of one kind")] = 60.0
 
     def __post_init__(self) -> None:
-        """Refuse what contradicts itself."""
+        """Refuse settings that contradict each other."""
         for (volts, charge), (more_volts, more_charge) in pairwise(self.table):
             if not (more_volts > volts and more_charge >= charge):
                 raise ValueError(f"table: after {volts:g} V and {charge:g} both must grow")
@@ -65,7 +66,7 @@ class BatterySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
 
 
 def charge_at(rest_voltage_v: float, table: tuple[tuple[float, float], ...]) -> float:
-    """Return the charge that a voltage at rest means, between the table's entries by proportion."""
+    """Return the charge for a voltage at rest, interpolated in the table."""
     if not rest_voltage_v > table[0][0]:  # this way round, NaN is empty
         return table[0][1]
     for (volts, charge), (more_volts, more_charge) in pairwise(table):

@@ -14,7 +14,7 @@ SAY_WITHIN_S = 2.0
 
 
 class Battery(Capability[BatterySettings]):
-    """Publishes on every change of level or charging, and twice a second; a voltage that is not there is no voltage."""
+    """Publishes on every change of level or charging, and twice a second; without a voltage the state is invalid."""
 
     rate_hz = 5.0
     woken_by_streams = False
@@ -22,18 +22,18 @@ class Battery(Capability[BatterySettings]):
     def __init__(self, ctx: Context[BatterySettings]) -> None:
         super().__init__(ctx)
         self._gauge = Gauge(ctx.settings)
-        self._shown: BatteryState | None = None
+        self._published: BatteryState | None = None
         self._publish_at = -inf
         self._warned_at: dict[str, float] = {}
 
     def step(self) -> None:
-        """Take in what was measured, and tell."""
+        """Process the measurements, and publish."""
         for received in self.ctx.take("motors"):
             self._gauge.see(received.message, received.arrived)
         now = self.ctx.clock()
-        state, before = self._gauge.state(now), self._shown
+        state, before = self._gauge.state(now), self._published
         if before is None or _gist(state) != _gist(before) or now >= self._publish_at:
-            self._shown, self._publish_at = state, now + PUBLISH_S
+            self._published, self._publish_at = state, now + PUBLISH_S
             self.ctx.publish("state", state)
         if before is None or state.valid != before.valid:
             self.ctx.ready() if state.valid else self.ctx.warn(state.reason, "stale_sensor")
@@ -49,12 +49,12 @@ class Battery(Capability[BatterySettings]):
             self._warn("charging", f"the battery is being charged ({volts})", now, level="info")
 
     def _warn(self, kind: str, text: str, now: float, *, level: str = "warning") -> None:
-        """Say it as an event and aloud, unless that was done not long ago."""
+        """Publish a warning and speak it, unless that was done not long ago."""
         if not now - self._warned_at.get(kind, -inf) >= self.ctx.settings.repeat_s:
             return
         self._warned_at[kind] = now
         self.ctx.event(kind, text, level=level)
-        self.ctx.ask("say", SayCommand(phrase=kind), timeout_s=SAY_WITHIN_S)  # speech says what goes wrong with it
+        self.ctx.ask("say", SayCommand(phrase=kind), timeout_s=SAY_WITHIN_S)  # speech reports its own errors
 
 
 def _gist(state: BatteryState) -> tuple[object, ...]:

@@ -1,4 +1,4 @@
-"""From what the motor controller measures to how the battery is. Pure: time comes with each measurement."""
+"""The battery's state from the motor controller's measurements. Pure: time comes with each measurement."""
 
 from collections import deque
 from math import exp, inf, isfinite
@@ -10,13 +10,12 @@ from lbr.operations.battery import BatterySettings, charge_at
 
 MEDIAN_OF = 5
 MEDIAN_LEAST = 3
-"""So few already outvote a single wrong one; a start does not wait for more."""
+"""The number of values that outvotes a single wrong one; the start does not wait for more."""
 LEAST_V, MOST_V = 1.0, 100.0
 
 
 class Gauge:
-    """One battery. Voltages come as they come; those that are not finite are passed over, and old ones count no
-    more."""
+    """One battery. Voltages that are not finite are ignored, and old ones expire."""
 
     def __init__(self, settings: BatterySettings) -> None:
         self._settings = settings
@@ -31,11 +30,11 @@ class Gauge:
         self._level: BatteryLevel = "unknown"
 
     def see(self, motors: MotorsState, now: float) -> None:
-        """Take a measurement."""
+        """Add a measurement."""
         settings, voltage_v = self._settings, motors.voltage_v
         self._moved = self._moved or _moves(motors, self._counts)
         self._counts = tuple(motor.counts for motor in motors.each.values())
-        if voltage_v is None or not LEAST_V < voltage_v < MOST_V:  # this way round, NaN is none
+        if voltage_v is None or not LEAST_V < voltage_v < MOST_V:  # this way round, NaN is ignored
             return
         if not now - self._seen <= settings.max_age_s:
             self._begin_anew()
@@ -52,7 +51,7 @@ class Gauge:
         self._level = self._next_level(rest_v)
 
     def state(self, now: float) -> BatteryState:
-        """Return how the battery is."""
+        """Return the state of the battery."""
         reason = self._why_unknown(now)
         rest_v, terminal_v = self._rest.value, self._terminal.value
         if reason or rest_v is None or terminal_v is None:
@@ -79,7 +78,7 @@ class Gauge:
         return "measuring began just now" if self._rest.value is None else ""
 
     def _begin_anew(self) -> None:
-        """Forget what was before a gap: it says nothing of what is after it."""
+        """Discard the values from before a gap: they do not describe the time after it."""
         self._recent.clear()
         self._terminal = Smooth(self._settings.filter_s)
         self._rest = Smooth(self._settings.filter_s)
@@ -106,7 +105,7 @@ class Smooth:
         self._at = 0.0
 
     def take(self, value: float, now: float) -> float:
-        """Return the value as it is after this one."""
+        """Return the smoothed value after this one."""
         before, elapsed_s = self.value, max(0.0, now - self._at)
         self._at = now
         share = 1.0 if before is None or not self._time_constant_s else 1.0 - exp(-elapsed_s / self._time_constant_s)
@@ -115,17 +114,16 @@ class Smooth:
 
 
 class _Charger:
-    """Tells whether the battery is on a charger. Off it, a battery keeps its voltage for a while but never raises
-    it."""
+    """Detects a charger. Without one, a battery may keep its voltage for a while, but never raises it."""
 
     def __init__(self, settings: BatterySettings) -> None:
         self.charging = False
         self._settings = settings
-        self._lowest_v = -inf  # since it drove last; until then, the voltage alone tells
+        self._lowest_v = -inf  # since it last drove; before that, the voltage alone decides
         self._since: float | None = None
 
     def see(self, rest_v: float, *, moving: bool, now: float) -> None:
-        """Take a voltage at rest."""
+        """Add a voltage at rest."""
         settings = self._settings
         if moving:
             self.charging, self._since, self._lowest_v = False, None, rest_v
@@ -149,7 +147,7 @@ class _Charger:
 
 
 def _moves(motors: MotorsState, before: tuple[int | None, ...]) -> bool:
-    """Return whether the motors move the base: pushing against something does not count."""
+    """Return whether the motors move the base: pushing against an obstacle does not count."""
     each = motors.each.values()
     if not any(motor.power for motor in each):
         return False
@@ -158,7 +156,7 @@ def _moves(motors: MotorsState, before: tuple[int | None, ...]) -> bool:
 
 
 def _drawn_a(motors: MotorsState) -> float | None:
-    """Return what the motors take of the battery: the current of each, for as long as its bridge is open."""
+    """Return the current that the motors draw from the battery: each motor's current times its duty cycle."""
     pairs = ((motor.amps_a, motor.power) for motor in motors.each.values())
     parts = [amps * duty for amps, duty in pairs if amps is not None and isfinite(amps)]
     return sum(parts) if parts else None

@@ -21,8 +21,8 @@ from lbr.messages.sensing import Ranges, RangeSensor, Scan
 from lbr.operations.drive.settings import DriveSettings
 
 
-def _telling_one(known: Known) -> set[str]:
-    """Return the sensors to whose distance a motion may be bound."""
+def _single_ray(known: Known) -> set[str]:
+    """Return the sensors to whose distance a motion may be bounded: those with one ray."""
     return {row.name for row in known.rows(RangeSensor) if row.rays == 1}
 
 
@@ -41,7 +41,7 @@ KIND = Kind(
     },
     outputs={"setpoint": MotorSetpoint, "state": DriveState, "result": GoalResult},
     commands={
-        "command": Command(DriveCommand, leased=True, choices={"sensor": _telling_one}),
+        "command": Command(DriveCommand, leased=True, choices={"sensor": _single_ray}),
         "turn": Command(TurnCommand, leased=True),
         "heading": Command(HeadingCommand, leased=True),
         "twist": Command(TwistCommand, leased=True),

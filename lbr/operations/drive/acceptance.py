@@ -17,7 +17,7 @@ from lbr.operations.drive.state import ActiveMotion, Command, State, motors_trou
 
 
 def judge(state: State, event: Command, ask: Ask[ActiveMotion], *, checked: bool = True) -> Reason | Limit:
-    """Return the reason of a refusal, or else the limit by the rules at full speed.
+    """Return the reason of a refusal, or else the rules' limit at full speed.
 
     A renewal passes fewer checks. `checked` false leaves out the user's own checks.
     """
@@ -30,30 +30,30 @@ def judge(state: State, event: Command, ask: Ask[ActiveMotion], *, checked: bool
     limited = limit(state, sides_of(command, state.settings, state.base), now) if moves else FREE
     if renewed:
         return limited
-    if not limited.scale > 0.0:  # a new motion towards an obstacle does not start
+    if not limited.scale > 0.0:  # no new motion starts towards an obstacle
         return Reason(limited.code, limited.detail)
     return (_checks(event) if checked else None) or limited
 
 
 def _form(state: State, command: Motion) -> Reason | None:
-    """Refuse numbers that are not finite or outside their bounds, and a sensor that is not there."""
+    """Refuse numbers that are not finite or outside their bounds, and unknown sensors."""
     for name, low, high in BOUNDS[type(command)]:
         value = getattr(command, name)
         if not (isfinite(value) and low <= value <= high):
             return Reason("bad_value", f"{name} {value:g} is outside {low:g} to {high:g}")
-    if isinstance(command, DriveCommand) and command.sensor not in state.sensors.singles and _means(command):
-        there = ", ".join(state.sensors.singles) or "none: no row of range_sensor tells one distance"
-        return Reason("unknown_name", f"sensor '{command.sensor}' is not one of {there}")
+    if isinstance(command, DriveCommand) and command.sensor not in state.sensors.singles and _uses_sensor(command):
+        known = ", ".join(state.sensors.singles) or "none: no row of range_sensor tells one distance"
+        return Reason("unknown_name", f"sensor '{command.sensor}' is not one of {known}")
     return None
 
 
-def _means(command: DriveCommand) -> bool:
-    """Return whether a command is about its sensor: one that names none goes by a base that has no such sensor, too."""
+def _uses_sensor(command: DriveCommand) -> bool:
+    """Return whether a command uses its sensor: the default name is allowed on a base without that sensor."""
     return command.range_cm > 0.0 or command.sensor != "forward"
 
 
 def _bounds(command: type[Motion]) -> tuple[tuple[str, float, float], ...]:
-    """Return name, least and most of each number that a command asks for, as its message has them; each needs both."""
+    """Return name, least and most of each number in a command, as its message declares them; each needs both."""
     message = inspect.type_info(command)
     assert isinstance(message, inspect.StructType)
     bounds = []
@@ -70,9 +70,10 @@ BOUNDS = {command: _bounds(command) for command in (DriveCommand, TurnCommand, H
 
 
 def _limits(state: State, command: Motion, now: float) -> Reason | None:
-    """Bounds make sense: a range within the sensor's reach and not there yet, a time within the longest run.
+    """Check the bounds of a motion: a range within the sensor's reach and not reached yet, a time within the longest
+    run.
 
-    A turn or a distance needs to know how the base lies or how far it came.
+    A turn needs a known heading, a distance needs known odometry.
     """
     if isinstance(command, TwistCommand):
         aside = command.vy_mps != 0.0 and not state.base.holonomic
@@ -89,7 +90,7 @@ def _limits(state: State, command: Motion, now: float) -> Reason | None:
 
 
 def _checks(event: Command) -> Reason | None:
-    """The user's own checks all agree."""
+    """Check that the user's own checks all agree."""
     for name, verdict in event.checks.items():
         if verdict is None:
             return Reason("check", f"check {name} did not answer")

@@ -1,4 +1,4 @@
-"""The process around the drive kernel: feeds it what arrives and the time, and publishes what it says."""
+"""The process around the drive kernel: it passes arrivals and the time to the kernel, and publishes the outputs."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -34,9 +34,9 @@ STATE_PERIOD_S = 0.1
 RESTING_PERIOD_S = 0.5
 """Half of the age at which readers call the state too old."""
 RESTING_HZ = 2.0
-"""The rate at rest: setpoints are signs of life then."""
+"""The rate at rest, where setpoints only show that the drive is alive."""
 RESTS_AFTER_S = 0.5
-"""Zero goes on at the rate of a motion for so long after it, so that no lost message leaves the base moving."""
+"""The time after a motion for which zero continues at its rate, so that no lost message leaves the base moving."""
 MOTIONS = frozenset({"command", "turn", "heading", "twist"})
 NO_ANSWERS: Mapping[str, object] = {}
 UNANSWERED: Mapping[str, object] = {"(none in time)": None}
@@ -55,41 +55,41 @@ class Drive(LeasingCapability[DriveSettings, State]):
         self.begin()
 
     def open(self) -> None:
-        """Begin without a holder of the base, and at once with zero."""
+        """Start without a holder of the base, and publish zero at once."""
         self.begin()
         self.listen()
         self.happen(Tick())
 
     def close(self) -> None:
-        """Publish zero; end what was going on."""
+        """Publish zero; end the current motion."""
         self.ctx.publish("setpoint", MotorSetpoint(left=0.0, right=0.0))
         super().close()
 
     def begin(self) -> None:
-        """Begin with nothing lent."""
+        """Start without a lease."""
         self._moved_at, self.rate_hz = self.ctx.clock(), self.ctx.settings.rate_hz
         super().begin()
         self._reported: DriveState | None = None
         self._reported_at = -inf
 
     def first(self) -> State:
-        """Return a base that was not moved yet."""
+        """Return the state of a base that was not moved yet."""
         return first_state(self.ctx.settings, self.ctx.clock(), self.ctx.rows(RangeSensor) or None, self._base)
 
     def decide(self, event: Event, now: float) -> tuple[State, Outputs]:
-        """Return what the kernel makes of an event."""
+        """Return the kernel's decision on an event."""
         return decide(self._state, event, now)
 
     def driver_seen(self, received: Received) -> MotorsSeen:
-        """Return what the motor driver says."""
+        """Return the event for a state of the motor driver."""
         return MotorsSeen(motors=received.message, arrived=received.arrived)
 
     def driver_lost(self, names: str) -> MotorsLost:
-        """Return that the motor driver is gone."""
+        """Return the event for a lost motor driver."""
         return MotorsLost(reason=f"the motor driver ({names}) is gone")
 
     def hear(self) -> None:
-        """Take in ranges, scans, attitude and odometry."""
+        """Process ranges, scans, attitude and odometry."""
         for received in self.ctx.take("ranges"):
             self.happen(RangesSeen(ranges=received.message, arrived=received.arrived))
         for received in self.ctx.take("scans"):
@@ -100,7 +100,7 @@ class Drive(LeasingCapability[DriveSettings, State]):
             self.happen(OdometrySeen(odometry=received.message, arrived=received.arrived))
 
     def lend(self, call: Call) -> None:
-        """Decide a motion now, or once the user's checks have answered, where there are any."""
+        """Decide a motion now, or after the replies of the user's checks, if there are any."""
         if call.name not in MOTIONS:
             super().lend(call)
             return
@@ -116,7 +116,7 @@ class Drive(LeasingCapability[DriveSettings, State]):
         self.wait_for(call, "checks", ask, timeout_s, lambda answers: self.happen(_event(call, answers), call))
 
     def step(self) -> None:
-        """Take in what arrived; at the loop's rate have time go by, in long steps at rest."""
+        """Process arrived messages, and do a round when it is due; at rest rounds are rare."""
         self._pace()
         super().step()
         self._pace()
@@ -129,15 +129,15 @@ class Drive(LeasingCapability[DriveSettings, State]):
         return now - self._moved_at >= RESTS_AFTER_S
 
     def not_at_rest(self) -> str:
-        """Return that a wheel is still to turn, if one is."""
+        """Return a sentence if a wheel still has to turn, or an empty string."""
         return "a wheel is still to turn" if any(self._state.sides) else ""
 
     def trouble(self) -> Reason | None:
-        """Return why the motors would not follow, or nothing."""
+        """Return why the motors would not follow, or None."""
         return motors_trouble(self._state, self.ctx.clock())
 
     def report(self) -> None:
-        """Tell the state ten times a second, twice while nobody holds the base, and at once when it changed."""
+        """Publish the state ten times a second, twice without a holder, and at once when it changed."""
         now = self.ctx.clock()
         state = drive_state(self._state, now, self._loop)
         rests = state.holder is None and not state.moving
@@ -147,7 +147,7 @@ class Drive(LeasingCapability[DriveSettings, State]):
             self.ctx.publish("state", state)
 
     def _pace(self) -> None:
-        """Go on at the rate that this state needs: a command has changed it before the step, motors within it."""
+        """Set the rate that the state needs: a command may change it before the step, the motors within it."""
         rate_hz = RESTING_HZ if self.rests() else self.ctx.settings.rate_hz
         if rate_hz != self.rate_hz:
             self.rate_hz = rate_hz
@@ -161,7 +161,7 @@ def _event(call: Call, answers: Answers = NO_ANSWERS) -> Command:
 
 
 def _gist(state: DriveState) -> tuple[object, ...]:
-    """Return what is worth telling at once when it changes."""
+    """Return the values whose change is published at once."""
     stopped_by = "" if state.moving else state.reason
     asked = (state.power, state.angle_deg)
     told = bool(state.limited_by), stopped_by, state.stopped_s, state.estop

@@ -1,4 +1,4 @@
-"""The demand of a command: it drives, moves by a twist, turns by an angle or turns to a heading."""
+"""The content of a command: drive, move by a twist, turn by an angle or turn to a heading."""
 
 from math import atan2, degrees, fmod
 
@@ -14,14 +14,14 @@ RIGHT_DEG = 90.0
 
 
 def moves(command: Motion) -> bool:
-    """Return whether a command wants anything but standing still; a turn always does, and so does nonsense."""
+    """Return whether a command is more than a stop; a turn always is, and so are numbers that are not finite."""
     if isinstance(command, TwistCommand):
         return not command.vx_mps == command.vy_mps == command.wz_rps == 0.0
     return not (isinstance(command, DriveCommand) and command.power == 0.0)
 
 
 def content_of(command: Motion) -> tuple[float | str, ...]:
-    """Return what a command asks for, without its sender, its lease and how long it lasts."""
+    """Return the content of a command, without its sender, its lease and its duration."""
     if isinstance(command, TurnCommand):
         return ("turn", command.angle_deg)
     if isinstance(command, HeadingCommand):
@@ -47,14 +47,14 @@ def power_of(command: Motion, settings: DriveSettings) -> float:
 
 
 def asked_sides(command: TwistCommand, settings: DriveSettings) -> Sides:
-    """Return a twist as powers of the two sides and sideways, whatever the motors may give."""
+    """Return a twist as powers of the two sides and sideways, without any limit."""
     ahead, turn = command.vx_mps, command.wz_rps * settings.track_m / 2
     full_mps = settings.max_speed_mps
     return (ahead - turn) / full_mps, (ahead + turn) / full_mps, command.vy_mps / full_mps
 
 
 def fitting_sides(command: TwistCommand, settings: DriveSettings, base: Base) -> Sides:
-    """Return a twist as powers, slowed down as a whole until no motor gets more than it may; NaN: nothing."""
+    """Return a twist as powers, reduced together until each motor is within its limit; NaN gives zero."""
     sides = asked_sides(command, settings)
     return times(sides, base.fitting(*sides, settings.max_power))
 
@@ -67,7 +67,7 @@ def sides_of(command: Motion, settings: DriveSettings, base: Base) -> Sides:
 
 
 def times(sides: Sides, factor: float) -> Sides:
-    """Return all powers times a factor, so that the path keeps its form; 0 makes zero of anything."""
+    """Return all powers times a factor, so that the path keeps its form; a factor of 0 or NaN gives zero."""
     if not factor > 0.0:
         return 0.0, 0.0, 0.0
     left, right, aside = sides
@@ -75,7 +75,7 @@ def times(sides: Sides, factor: float) -> Sides:
 
 
 def towards_deg(command: Motion) -> float:
-    """Return the angle of the motion; for a turn that of a spin, to the left if that is what it asks for."""
+    """Return the angle of the motion; for a turn that of a spin, to the left if that is requested."""
     if isinstance(command, DriveCommand):
         return command.angle_deg
     if isinstance(command, TwistCommand):
@@ -91,7 +91,7 @@ def straight(command: DriveCommand) -> bool:
 
 
 def check_request(source: str, command: Motion, settings: DriveSettings) -> CheckRequest:
-    """Return what the user's checks are shown: a turn as the spin that it is, and as what was asked."""
+    """Return the request to the user's checks: a turn appears as its spin, and as the original command."""
     if isinstance(command, DriveCommand):
         return CheckRequest(source=source, command=command)
     spin = DriveCommand(

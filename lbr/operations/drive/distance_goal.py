@@ -1,4 +1,4 @@
-"""Driving a distance by the wheels: how fast near its end, when it is there, and when the wheels do not follow."""
+"""Driving a distance by the wheels: the speed near its end, the arrival, and wheels that do not follow."""
 
 from math import cos, isnan, nan, radians
 
@@ -19,10 +19,10 @@ WRONG_M = 0.15
 
 
 class DistanceGoal(Struct, frozen=True, kw_only=True):
-    """A distance that is being driven: `asked_m` from `begun_m`, towards `sense` (1 ahead, -1 back).
+    """A distance in progress: `asked_m` from `begun_m`, towards `sense` (1 ahead, -1 back).
 
-    `quiet` is since when the base stands at its end (NaN: it does not); `backward_m` is how far it may roll the other
-    way at first. `slipped` once that was told.
+    `quiet` is the time since which the base stands at its end (NaN: it does not). `backward_m` is the distance that it
+    may roll the other way at first. `slipped` is true once a slip was reported.
     """
 
     asked_m: float
@@ -36,17 +36,17 @@ class DistanceGoal(Struct, frozen=True, kw_only=True):
 
     @property
     def travelled_m(self) -> float:
-        """Return how far it came towards its end."""
+        """Return the distance travelled towards its end."""
         return self.sense * (self.odometry.distance_m - self.begun_m)
 
     @property
     def left_m(self) -> float:
-        """Return how far it has yet to go."""
+        """Return the distance that remains."""
         return self.asked_m - self.travelled_m
 
 
 def not_possible(command: DriveCommand, odometry: OdometryView, now: float) -> Reason | None:
-    """Return why this distance cannot be driven, or nothing."""
+    """Return why this distance cannot be driven, or None."""
     if not command.distance_cm > 0.0:
         return None
     if not straight(command):
@@ -57,7 +57,7 @@ def not_possible(command: DriveCommand, odometry: OdometryView, now: float) -> R
 
 
 def start(command: DriveCommand, odometry: OdometryView, settings: DriveSettings) -> DistanceGoal:
-    """Return the way that a command begins."""
+    """Return the goal that a command begins."""
     sense = 1.0 if cos(radians(command.angle_deg)) > 0.0 else -1.0
     speed = abs(odometry.speed_mps)
     rolls_m = speed * settings.reaction_s + speed * speed / (2 * settings.brake_mps2)
@@ -72,7 +72,7 @@ def start(command: DriveCommand, odometry: OdometryView, settings: DriveSettings
 
 
 def watch(way: DistanceGoal, odometry: OdometryView, pushing: float, settings: DriveSettings) -> DistanceGoal:
-    """Return the way after new odometry, while the wheels are given `pushing`."""
+    """Return the goal after new odometry, while the wheels have the power `pushing`."""
     if odometry.trouble or odometry.epoch != way.epoch:
         return replace(way, odometry=odometry)
     way = replace(way, odometry=odometry)
@@ -82,7 +82,7 @@ def watch(way: DistanceGoal, odometry: OdometryView, pushing: float, settings: D
 
 
 def fault(way: DistanceGoal, started: float, now: float) -> Reason | None:
-    """Return what is wrong with a way, or nothing; comparisons are such that NaN is wrong."""
+    """Return the fault of a goal, or None; with NaN in a comparison it is a fault."""
     if why := odometry_view.not_known(way.odometry, now, started):
         return Reason("stale_sensor", why)
     if way.odometry.epoch != way.epoch:
@@ -96,27 +96,27 @@ def fault(way: DistanceGoal, started: float, now: float) -> Reason | None:
 
 
 def is_over(way: DistanceGoal) -> bool:
-    """Return whether the base stands at the end, and has for a while."""
+    """Return whether the base has stood at the end for a while."""
     return way.odometry.seen - way.quiet >= SETTLE_S  # this way round, NaN is not over
 
 
 def power(way: DistanceGoal, asked: float, settings: DriveSettings, now: float) -> float:
-    """Return the power now, `asked` at most: less near the end, nothing where the base will come to rest."""
+    """Return the power now, `asked` at most: less near the end, zero where the base will come to rest."""
     lag_s = max(0.0, now - way.odometry.seen)
     ahead_mps = max(0.0, way.sense * way.odometry.speed_mps)
     left_m = way.left_m - ahead_mps * lag_s
     if not left_m > ahead_mps * ahead_mps / (2 * settings.brake_mps2) + settings.distance_tolerance_m / 2:
-        return 0.0  # this way round, NaN is no power
+        return 0.0  # this way round, NaN gives zero
     wished = allowed_mps(left_m, settings) / settings.max_speed_mps
     return min(asked, max(wished, settings.creep_power))
 
 
 def words(way: DistanceGoal) -> str:
-    """Say how far it came of what was asked."""
+    """Return a sentence about the distance driven."""
     return f"drove {way.travelled_m:.2f} of {way.asked_m:.4g} m"
 
 
 def ended(way: DistanceGoal, elapsed_s: float) -> str:
-    """Say how a way that is over went."""
+    """Return a sentence about the end of a goal."""
     past_m = -way.left_m
     return f"{words(way)} in {elapsed_s:.1f} s, {abs(past_m):.2f} m {'too far' if past_m > 0.0 else 'short'}"

@@ -1,4 +1,4 @@
-"""The end of a motion of the base: by itself, by a stop, by a fault; and the messages about it."""
+"""The end of a motion of the base, by itself, by a stop or by a fault, and the messages about it."""
 
 from math import isnan
 
@@ -14,11 +14,11 @@ from lbr.operations.drive.wheels import next_wheels
 
 Decision = tuple[State, Outputs]
 ZERO = Setpoint(message=MotorSetpoint(left=0.0, right=0.0, moving_s=0.0))
-"""For any base: no motor is named, and all stand still."""
+"""Zero for any base: it names no motor, and all of them stand still."""
 
 
 def end_what_is_over(state: State, now: float) -> Decision:
-    """End what is over at this time; comparisons are such that NaN ends it."""
+    """End the motion if it is over at this time; with NaN in a comparison it is over."""
     held = state.leases
     if trouble := motors_trouble(state, now):
         held, said = ending.drop_offers(held, held.offers, "fault", trouble)
@@ -33,7 +33,7 @@ def end_what_is_over(state: State, now: float) -> Decision:
 
 
 def halt(state: State, decided: ending.Decision[ActiveMotion], now: float) -> Decision:
-    """Take in the decision on the holder of the base, and stand still, whether it was held or not."""
+    """Apply the decision on the holder of the base, and stop, whether it was held or not."""
     held, said = decided
     if state.lease is not None:
         return apply(state, held, said, now)
@@ -42,7 +42,7 @@ def halt(state: State, decided: ending.Decision[ActiveMotion], now: float) -> De
 
 
 def apply(state: State, held: LeaseTable[ActiveMotion], said: ending.Said[ActiveMotion], now: float) -> Decision:
-    """Take in who has the base now, stand still when a lease is over, and say how each goal ended."""
+    """Apply a decision on the leases, stop when the live lease is over, and return the result of each goal."""
     outputs: Outputs = ()
     for each in said:
         if isinstance(each, Happened):
@@ -56,7 +56,7 @@ def apply(state: State, held: LeaseTable[ActiveMotion], said: ending.Said[Active
 
 
 def _result(ended: Ended[ActiveMotion], now: float) -> Outputs:
-    """Say how a bounded move ended, if it was one."""
+    """Return the result of a bounded move, or nothing."""
     goal = ended.lease.motion.goal
     return () if goal is None else (Result(message=goals.result(goal, ended.how, ended.why, now)),)
 
@@ -81,7 +81,7 @@ def _what_is_over(state: State, trouble: Reason | None, now: float) -> tuple[End
 
 
 def _worn_out(state: State, lease: Lease[ActiveMotion], now: float) -> Reason | None:
-    """Return why a motion that was not ended is over: it ran unattended, or a rule has held the base still."""
+    """Return why a motion without an end of its own is over: it ran unattended, or a rule has stopped it for too long."""
     settings = state.settings
     if not now - lease.changed < settings.max_run_s:
         return Reason("limit", f"it ran for {settings.max_run_s:g} s unattended")

@@ -1,4 +1,4 @@
-"""The turn of a base about a point beside it until its outline comes to something: in closed form, no steps."""
+"""The turn of a base about a point beside it until its outline meets an obstacle: in closed form, no steps."""
 
 from math import acos, atan2, copysign, hypot, inf, sqrt, tau
 
@@ -19,10 +19,10 @@ class Footprint:
         self._farthest_m = max(reach_m for reach_m, _ in self._corners) + margin_m
 
     def until_rad(self, x_m: float, y_m: float) -> float:
-        """Return how far it turns until a point is within the margin; infinite if it never is.
+        """Return the angle of the turn until a point is within the margin; infinite if it never is.
 
-        A point that is within the margin now leaves no room to come nearer, and all to go away; one within the outline
-        itself is in no motion's way.
+        A point within the margin now allows no approach, but every retreat. A point within the outline itself blocks no
+        motion.
         """
         y_m -= self._radius_m
         reach_m = hypot(x_m, y_m)
@@ -31,16 +31,17 @@ class Footprint:
             return 0.0 if self._comes_nearer(x_m, y_m, out_m) else inf
         if not self._nearest_m < reach_m < self._farthest_m:
             return inf
-        here = atan2(y_m, x_m) + ROUNDING_RAD
-        return min([(here - entry) % tau for entry in self._entries(reach_m)], default=inf)
+        bearing = atan2(y_m, x_m) + ROUNDING_RAD
+        return min([(bearing - entry) % tau for entry in self._entries(reach_m)], default=inf)
 
     def _comes_nearer(self, x_m: float, y_m: float, out_m: tuple[float, float]) -> bool:
-        """Seen from the base a point moves clockwise about the centre of the turn, at (y, -x) from there."""
+        """Return whether a point comes nearer: seen from the base it moves clockwise about the turn's centre, at (y,
+        -x)."""
         ahead_m, aside_m = max(0.0, out_m[0]), max(0.0, out_m[1])
         return copysign(ahead_m, x_m) * y_m - copysign(aside_m, y_m + self._radius_m) * x_m < 0.0
 
     def _entries(self, reach_m: float) -> list[float]:
-        """Return where, on a circle about the centre of the turn, a point comes to an edge or a corner from outside."""
+        """Return the angles, on a circle about the centre of the turn, at which a point enters the rounded outline."""
         ahead_m, aside_m, radius_m, margin_m = self._ahead_m, self._aside_m, self._radius_m, self._margin_m
         square, edge_m, angles = reach_m * reach_m, self._ahead_m + self._margin_m, []
         if reach_m > edge_m:

@@ -1,5 +1,4 @@
-"""Bounded moves: until a sensor has come to a distance, a way is driven or a time is over; whichever is first.
-Turns."""
+"""Bounded moves: until a sensor reaches a distance, a way is driven or a time is over, whichever is first. Turns."""
 
 from collections.abc import Mapping
 from math import inf, isfinite, isnan, nan
@@ -24,11 +23,12 @@ from lbr.operations.drive.state import Goal, State
 FARTHEST_CM = 768.0
 LOST_AFTER_S = 0.3
 LONGEST_LAG_S = 0.2
-"""A board that does not tell the age of a reading measured it half a cycle ago; a longer cycle is not believed."""
+"""The greatest assumed age of a reading. Without a reported age it is half of the board's cycle; a longer cycle is not
+trusted."""
 
 
 def bounded(command: Motion) -> TypeGuard[DriveCommand | TurnCommand | HeadingCommand]:
-    """Say whether a command is a bounded move, as every turn is."""
+    """Return whether a command is a bounded move, as every turn is."""
     if isinstance(command, (TurnCommand, HeadingCommand)):
         return True
     if isinstance(command, TwistCommand):
@@ -39,7 +39,7 @@ def bounded(command: Motion) -> TypeGuard[DriveCommand | TurnCommand | HeadingCo
 def not_plausible(
     command: DriveCommand, views: Mapping[str, View], settings: DriveSettings, sensors: Sensors, now: float
 ) -> Reason | None:
-    """Return why a range cannot be driven to, or nothing; its sensor has a row."""
+    """Return why a range cannot be driven to, or None; its sensor has a row."""
     if not command.range_cm > 0.0:
         return None
     row = sensors.rows[command.sensor]
@@ -85,7 +85,7 @@ def _to_range(command: DriveCommand, name: str, views: Mapping[str, View], setti
 
 
 def watch(goal: Goal, ranges: Ranges, now: float, ahead_mps: float, sensors: Sensors = USUAL) -> Goal:
-    """Return the goal with its sensor's newest reading; one without a value is passed over until it is too long ago."""
+    """Return the goal with its sensor's newest reading; readings without a value are ignored until they last too long."""
     if not ranges.tells_of(goal.sensor):
         return goal
     value_m, _ = measured_m(ranges, goal.sensor, sensors)
@@ -100,7 +100,7 @@ def watch(goal: Goal, ranges: Ranges, now: float, ahead_mps: float, sensors: Sen
 
 
 def ending(goal: Goal, settings: DriveSettings, now: float) -> tuple[Ending, Reason] | None:
-    """Return how a goal ends now and why, or None while it goes on."""
+    """Return how a goal ends now and why, or None while it continues."""
     if goal.turn is not None:
         return _turned(goal, goal.turn, settings, now)
     if goal.way is not None and (ended := _travelled(goal, goal.way, now)):
@@ -113,7 +113,7 @@ def ending(goal: Goal, settings: DriveSettings, now: float) -> tuple[Ending, Rea
 
 
 def result(goal: Goal, how: Ending, why: Reason, now: float) -> GoalResult:
-    """Return the message that says how a goal ended."""
+    """Return the message about the end of a goal."""
     known = goal.last_m < inf and not isnan(goal.target_m)
     return GoalResult(
         goal=goal.goal,
@@ -133,7 +133,7 @@ def result(goal: Goal, how: Ending, why: Reason, now: float) -> GoalResult:
 def wheels(
     goal: Goal | None, power: float, angle_deg: float, settings: DriveSettings, now: float
 ) -> tuple[float, float]:
-    """Return what the wheels should do now by themselves: as asked, and less where a turn or a way comes to its end."""
+    """Return the powers of the wheels from the goal: as asked, and less near the end of a turn or a way."""
     if goal is not None and goal.turn is not None:
         push = turn_goal.power(goal.turn, settings, now)
         return push, -push
@@ -145,7 +145,7 @@ def wheels(
 
 
 def driven(goal: Goal | None, state: State, elapsed_s: float, now: float) -> Goal | None:
-    """Return the goal after the wheels were given their setpoint for a while."""
+    """Return the goal after the wheels had their setpoint for a while."""
     if goal is None:
         return goal
     settings = state.settings
@@ -173,7 +173,7 @@ def _travelled(goal: Goal, way: distance_goal.DistanceGoal, now: float) -> tuple
 
 
 def _at_range(goal: Goal, now: float) -> tuple[Ending, Reason] | None:
-    """A reading that has passed the range ends the move at once, wherever the base was to come to rest."""
+    """Return the end of a move to a range; a reading beyond the range ends it at once, without coming to rest."""
     rests = goal.approach is not None and range_goal.is_over(goal.approach)
     if rests or _reached(goal, goal.last_m):
         return "reached", Reason("done", f"{goal.sensor} is {_words(goal.last_m)}")
@@ -187,7 +187,7 @@ def _known(value: float, digits: int) -> float | None:
 
 
 def _closing(command: DriveCommand, present_m: float, target_m: float, settings: DriveSettings) -> bool:
-    """Return whether the distance shrinks: the sensor at the end that leads, or else by where the target lies."""
+    """Return whether the distance shrinks: a leading sensor decides, or else the position of the target."""
     parts = towards(*mix(command.power, command.angle_deg, settings))
     leads = {"forward": parts["forward"], "back": parts["back"]}.get(command.sensor)
     if leads is not None and parts["forward"] + parts["back"] > 0.0:
@@ -196,7 +196,7 @@ def _closing(command: DriveCommand, present_m: float, target_m: float, settings:
 
 
 def _approach(goal: Goal, command: DriveCommand, state: State) -> RangeGoal | None:
-    """Return how the base comes to rest at the range; None where the sensor does not look along its way."""
+    """Return the approach to rest at the range; None if the sensor does not look along its way."""
     if isnan(goal.target_m) or isnan(goal.last_m) or not sees_along(state.sensors.rows[goal.sensor]):
         return None
     parts = towards(*mix(command.power, command.angle_deg, state.settings))

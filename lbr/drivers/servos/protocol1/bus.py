@@ -16,27 +16,27 @@ from lbr.drivers.servos.protocol1.register import Register
 
 MARGIN_S = 0.01
 QUIET_S = 0.002
-"""A line that says nothing for this long has ended its answer, if that is long enough to be one. Chosen, not measured:
-several times the 0.5 ms that a servo may be set to wait."""
+"""After this silence an answer has ended, if it is long enough. Chosen, not measured: several times the 0.5 ms that a
+servo may be set to wait."""
 LISTEN_SLICE_S = 0.002
 WARY_S = 1.0
-"""For this long after an answer was lost the line is emptied before each request. Chosen, not measured."""
+"""After a lost answer the line is emptied before each request for this long. Chosen, not measured."""
 LATE_S = 0.01
-"""A lost answer may still come this late: before the same is asked again this is waited for, so that it does not pass
-for the next. Chosen, not measured."""
+"""The latest arrival of a lost answer: a repeated request waits for it, so that it is not taken for the next answer.
+Chosen, not measured."""
 MOST_BYTES = 4096
 
 
 class ProtocolBus:
-    """Transactions on a bus of servos that speak protocol 1.0, whatever their control table is. Lost answers are None,
-    `trouble` then says why and `lost` how; a line that is gone is a DeviceError.
+    """Transactions on a bus of servos with protocol 1.0, with any control table. A lost answer is None, `trouble` has
+    the reason and `lost` the kind; a lost line is a DeviceError.
 
-    `written_all` counts what was written to several servos at once. `urgent` is asked while the bus waits although the
-    wire is free, and between tries: the rest is left undone then, and `cut_short` tells.
+    `written_all` counts the writes to several servos at once. While the bus waits with the wire free, and between
+    tries, it calls `urgent`; if that is true it skips the rest and sets `cut_short`.
     """
 
     refusals = 0
-    """The error bits that say that a servo did not take what was written."""
+    """The error bits with which a servo refuses a write."""
 
     def error_names(self, error: int) -> tuple[str, ...]:
         """Return the names of error bits, for people."""
@@ -66,18 +66,18 @@ class ProtocolBus:
         self._late: dict[bytes, float] = {}
 
     def ping(self, servo: int, *, tries: int | None = None) -> Status | None:
-        """Ask a servo whether it is there; its error bits are in the answer."""
+        """Check whether a servo answers; its error bits are in the answer."""
         question = self.question(servo, packet.ping(servo), 0)
         answer = self.ask(question, tries)
-        if answer == question.request:  # the echo, or a servo that complains of its voltage: both look like this
+        if answer == question.request:  # an echo and the answer of a servo with a voltage error look alike
             return self.read(servo, 0, 1)
         return status_of(answer)
 
     def read(
         self, servo: int, address: int, count: int, *, tries: int | None = None, patience_s: float = inf
     ) -> Status | None:
-        """Return `count` bytes of a servo's control table; an answer later than wire and servo explain gets
-        `patience_s`."""
+        """Return `count` bytes of a servo's control table; a late answer gets `patience_s` beyond the time of wire and
+        servo."""
         return status_of(self.ask(self.question(servo, packet.read(servo, address, count), count), tries, patience_s))
 
     def get(self, servo: int, register: Register) -> int | None:
@@ -86,16 +86,17 @@ class ProtocolBus:
         return None if status is None else register.decode(status.params, register.address)
 
     def put(self, servo: int, register: Register, value: int) -> bool:
-        """Write a register and say whether the servo acknowledged it; a ValueError for what it would refuse."""
+        """Write a register; return whether the servo acknowledged it. Raise ValueError for a value that it would
+        refuse."""
         return self.write(servo, register.address, register.encode(value))
 
     def write(self, servo: int, address: int, data: bytes, *, tries: int | None = None) -> bool:
-        """Write bytes and say whether the servo acknowledged them, without complaining of them."""
+        """Write bytes; return whether the servo acknowledged them without a complaint."""
         status = status_of(self.ask(self.question(servo, packet.write(servo, address, data), 0), tries))
         return status is not None and not status.error & self.refusals
 
     def write_all(self, address: int, blocks: Mapping[int, bytes]) -> None:
-        """Give each servo its block at the same time; servos do not answer that."""
+        """Write each servo its block at the same time; servos do not answer that."""
         if blocks:
             for request in packet.sync_write(address, blocks):
                 self._line.send(request)
@@ -106,12 +107,12 @@ class ProtocolBus:
         return [servo for servo in servos if self.ping(servo) is not None]
 
     def leftover(self) -> list[Status]:
-        """Return what comes unasked within a moment, such as from a second servo with the same id."""
+        """Return the packets that arrive unexpectedly within a moment, such as from a second servo with the same id."""
         data = self._line.read(QUIET_S)
         return StatusParser().feed(data) if data else []
 
     def ask(self, question: Question, tries: int | None = None, patience_s: float = inf) -> bytes | None:
-        """Send a request and return the whole packet that answers it, tried again as often as agreed."""
+        """Send a request, with retries, and return the whole packet that answers it."""
         line = self._line
         self.cut_short = False
         for attempt in range(tries or self._tries):
@@ -138,7 +139,7 @@ class ProtocolBus:
         return None
 
     def ask_each(self, request: bytes, servos: Sequence[int], count: int) -> dict[int, Status]:
-        """Send one request that each of these servos answers in its turn, and return what came in time."""
+        """Send one request that each of these servos answers in its turn; return the answers that arrived in time."""
         answers: dict[int, Status] = {}
         parser, line = StatusParser(), self._line
         self.cut_short = False
@@ -162,7 +163,7 @@ class ProtocolBus:
         return answers
 
     def drain(self) -> None:
-        """Throw away what came unasked, and notice a line that is gone."""
+        """Discard unexpected input; a lost line raises."""
         self.leftover()
 
     def close(self) -> None:
@@ -178,18 +179,18 @@ class ProtocolBus:
         self.close()
 
     def write_each(self, register: Register, values: Mapping[int, int]) -> None:
-        """Give each servo its value of a register at the same time; servos do not answer that."""
+        """Write each servo its value of a register at the same time; servos do not answer that."""
         self.write_all(register.address, {servo: register.encode(value) for servo, value in values.items()})
 
     def question(self, servo: int, request: bytes, count: int) -> Question:
-        """Make a request ready that this many bytes answer, to be asked again and again."""
+        """Prepare a request with an answer of `count` bytes, for repeated use."""
         size = packet.OVERHEAD_BYTES + count
         head = packet.HEADER + bytes((servo, count + 2))
         busy_s = self._line.busy_s(len(request), size)
         return Question(servo, request, head, size, busy_s, busy_s + self._line.margin_s)
 
     def _sift(self, data: bytes, question: Question, within_s: float) -> bytes | None:
-        """Find the answer in what comes until its time is over; judge what else there was."""
+        """Return the answer among the input until the time is over; count the other packets."""
         until = self._clock() + within_s
         while True:
             rest = self._without_echo(data, question)
@@ -209,7 +210,7 @@ class ProtocolBus:
         return None
 
     def _patience(self, wait_s: float) -> bytes:
-        """Return what comes in that time; not a moment longer when something is urgent."""
+        """Return the input that arrives in that time; stop at once when something is urgent."""
         until = self._clock() + wait_s
         while (left_s := until - self._clock()) > 0.0 and not self._urgent():
             data = self._line.read(min(LISTEN_SLICE_S, left_s))
@@ -218,17 +219,17 @@ class ProtocolBus:
         return b""
 
     def _without_echo(self, data: bytes, question: Question) -> bytes:
-        """Some adapters hear themselves: what was sent comes first then, and must not pass for an answer."""
+        """Remove the request that some adapters echo before the answer."""
         request = question.request
         if not data.startswith(request):
             return data
         if not self.echo and len(data) == len(request) == question.size and request[4] == packet.PING:
-            return data  # may be an answer as well
+            return data  # may be the answer
         self.echo = self.echo or request[4] != packet.PING
         return data[len(request) :]
 
     def _miss(self, servos: Sequence[int], count: int) -> None:
-        """Note a lost answer: it may come late, and must not pass for the answer to the next request."""
+        """Count a lost answer; it may come late, and must not be taken for the answer to the next request."""
         if servos and not self.cut_short:
             self.counts.timeouts += len(servos)
             self.trouble, self.lost = "does not answer", "silent"
@@ -249,7 +250,7 @@ class ProtocolBus:
         self._wary_until = now + WARY_S
 
     def _judge(self, data: bytes, question: Question) -> bool:
-        """Count a packet that is not the answer; True if it explains why the answer is missing."""
+        """Count a packet that is not the answer; return True if it explains why the answer is missing."""
         parser = StatusParser()
         explained = False
         for status in parser.feed(data):
@@ -265,8 +266,7 @@ class ProtocolBus:
         return explained
 
     def _settle(self, question: Question) -> None:
-        """After a lost answer: throw away what came late, and wait until nothing can that would pass for the next
-        one."""
+        """After a lost answer, discard late input, and wait until none can be taken for the next answer."""
         listen_until = self._late.pop(question.head, 0.0)
         late = b""
         while (now := self._clock()) < listen_until and not self._urgent():
@@ -279,8 +279,7 @@ class ProtocolBus:
         self._came_late(late)
 
     def _came_late(self, data: bytes) -> None:
-        """Count what came after it was given up: whole packets are answers that a busy machine heard late, no
-        babble."""
+        """Count late input: whole packets are answers delayed by a busy machine, other bytes are babble."""
         if data:
             parser = StatusParser()
             self.counts.strays += len(parser.feed(data))
@@ -288,5 +287,5 @@ class ProtocolBus:
 
 
 def status_of(answer: bytes | None) -> Status | None:
-    """Return what a whole packet says; None for none."""
+    """Return a whole packet as a Status, None as None."""
     return None if answer is None else Status(answer[2], answer[4], answer[5:-1])

@@ -1,4 +1,4 @@
-"""Protocol 1.0 of Dynamixel, which other servos speak too: instructions out, bytes back into status packets. No I/O.
+"""Protocol 1.0 of Dynamixel, also used by other servos: instructions out, bytes back into status packets. No I/O.
 
     FF FF | id | length | instruction or error | parameters ... | checksum       length = parameters + 2
 
@@ -12,17 +12,17 @@ HEADER = b"\xff\xff"
 BROADCAST = 0xFE
 HIGHEST_ID = 0xFC
 HIGHEST_ANSWERING = 0xFD
-"""An adapter may answer for itself by this id."""
+"""The highest id in an answer; an adapter may use it for itself."""
 OVERHEAD_BYTES = 6
-"""Of a packet without parameters."""
+"""The size of a packet without parameters."""
 MAX_SYNC_WRITE = 123
-"""Length byte of the longest SYNC WRITE: a USB2AX answers longer ones with an error of its own (v05)."""
+"""The length byte of the longest SYNC WRITE: a USB2AX answers longer ones with an error of its own (v05)."""
 PING, READ, WRITE, SYNC_READ, SYNC_WRITE = 0x01, 0x02, 0x03, 0x82, 0x83
 
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """A servo's answer: its error bits and the bytes asked for."""
+    """A servo's answer: its error bits and the requested bytes."""
 
     id: int
     error: int
@@ -53,12 +53,12 @@ def write(servo: int, address: int, data: bytes) -> bytes:
 
 
 def sync_read(address: int, count: int, servos: Iterable[int]) -> bytes:
-    """Return a SYNC READ of the same bytes of several servos, which answer one after another: not with all makes."""
+    """Return a SYNC READ of the same bytes of several servos, which answer in turn; not all makes support it."""
     return instruction(BROADCAST, SYNC_READ, bytes((address, count, *servos)))
 
 
 def sync_write(address: int, blocks: Mapping[int, bytes]) -> list[bytes]:
-    """Return the SYNC WRITEs that give every servo its block, all of one size; several where one is too long."""
+    """Return the SYNC WRITEs that give every servo its block, all of one size; several if one would be too long."""
     sizes = {len(block) for block in blocks.values()}
     if len(sizes) != 1:
         raise ValueError("a sync write needs blocks of one size for at least one servo")
@@ -72,10 +72,10 @@ def sync_write(address: int, blocks: Mapping[int, bytes]) -> list[bytes]:
 
 
 class StatusParser:
-    """Turns bytes, in pieces of any size, into status packets; whatever comes, it holds less than one packet.
+    """Turns bytes, in pieces of any size, into status packets; it holds less than one packet.
 
-    Bytes that cannot be a packet are dropped one by one until some can again. `noise` counts the bytes dropped,
-    `corrupt` the packets whose checksum was wrong.
+    Bytes that cannot begin a packet are dropped one by one. `noise` counts the dropped bytes, `corrupt` the packets
+    with a wrong checksum.
     """
 
     def __init__(self) -> None:
@@ -103,7 +103,7 @@ class StatusParser:
         return packets
 
     def reset(self) -> None:
-        """Forget a packet begun."""
+        """Forget the unfinished packet."""
         self._held.clear()
 
     @property
@@ -112,7 +112,7 @@ class StatusParser:
         return len(self._held)
 
     def _candidate(self, at: int) -> int:
-        """Return where a packet may begin, at `at` or later; what lies before is noise."""
+        """Return where a packet may begin, at `at` or later; bytes before it count as noise."""
         start = at
         while not self._possible(at):
             at = self._held.find(b"\xff", at + 1)
@@ -122,7 +122,7 @@ class StatusParser:
         return at
 
     def _possible(self, at: int) -> bool:
-        """Return whether the bytes there, as many as have come, can be the beginning of a status packet."""
+        """Return whether the bytes there can be the beginning of a status packet."""
         head = self._held[at : at + 5]
         return all(_FITS[place](byte) for place, byte in enumerate(head))
 
@@ -130,7 +130,7 @@ class StatusParser:
 _FITS = (
     lambda byte: byte == 0xFF,
     lambda byte: byte == 0xFF,
-    lambda byte: byte <= HIGHEST_ANSWERING,  # three FF in a row are a header that slipped
+    lambda byte: byte <= HIGHEST_ANSWERING,  # three FF in a row are a shifted header
     lambda byte: byte >= 2,
     lambda byte: byte <= 0x7F,
 )

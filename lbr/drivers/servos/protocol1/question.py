@@ -1,16 +1,16 @@
-"""A request made ready, and its answer found among what came."""
+"""A prepared request, and the search for its answer in the input."""
 
 from dataclasses import dataclass
 
 GOOD_SUM = 0xFD
-"""Low byte of the sum over a whole sound packet, its header and checksum included."""
+"""Low byte of the sum over a whole valid packet, header and checksum included."""
 
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """A request made ready: its bytes, how its answer begins, how long that is and how long it may take.
+    """A prepared request: its bytes, and the head, size and time limit of its answer.
 
-    For `busy_s` the wire is taken, by the request or by its answer; what comes later was held up elsewhere.
+    For `busy_s` request and answer occupy the wire; a later answer was delayed elsewhere.
     """
 
     servo: int
@@ -22,11 +22,11 @@ class Question:
 
 
 def packet_in(data: bytes, question: Question) -> bytes | None:
-    """Return the answer that these bytes hold, wherever it begins."""
+    """Return the answer within these bytes, wherever it begins."""
     at = data.find(question.head)
     while at >= 0 and len(data) >= at + question.size:
-        found = data[at : at + question.size]
-        if sum(found) & 0xFF == GOOD_SUM and found[4] < 0x80:
-            return found
+        candidate = data[at : at + question.size]
+        if sum(candidate) & 0xFF == GOOD_SUM and candidate[4] < 0x80:
+            return candidate
         at = data.find(question.head, at + 1)
     return None

@@ -1,11 +1,11 @@
-"""A number in a servo's control table: where it lives, what may be written, how it is signed. No I/O."""
+"""A number in a servo's control table: its address, its range, its sign. No I/O."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
 class Register:
-    """Where a number lives, how many bytes it has, what may be written, and its unit. None: read only."""
+    """The address, size, writable range and unit of a number; `lowest` None: read only."""
 
     name: str
     address: int
@@ -20,7 +20,7 @@ class Register:
         return self.lowest is not None
 
     def encode(self, value: int) -> bytes:
-        """Return the bytes to write; a ValueError says what is allowed."""
+        """Return the bytes to write; raise ValueError with the allowed range."""
         if self.lowest is None:
             raise ValueError(f"{self.name} can only be read")
         if not self.lowest <= value <= self.highest:
@@ -28,19 +28,19 @@ class Register:
         return value.to_bytes(self.size, "little")
 
     def decode(self, block: bytes, first: int = 0) -> int:
-        """Return its value out of a block that was read from address `first` on."""
+        """Return its value from a block that was read from address `first` on."""
         start = self.address - first
         return int.from_bytes(block[start : start + self.size], "little")
 
 
 def sign_magnitude(raw: int, bit: int) -> int:
-    """Return a number whose sign is a bit and whose magnitude the bits below it; minus zero is zero."""
+    """Return the value of a number with a sign bit and a magnitude below it; minus zero is zero."""
     magnitude = raw & ((1 << bit) - 1)
     return -magnitude if raw >> bit & 1 else magnitude
 
 
 def as_sign_magnitude(value: int, bit: int) -> int:
-    """Return how a number is written that has its sign in a bit."""
+    """Return the raw form of a number with a sign bit."""
     if abs(value) >= 1 << bit:
         raise ValueError(f"{value} is outside {1 - (1 << bit)}..{(1 << bit) - 1}")
     return abs(value) | (1 << bit if value < 0 else 0)

@@ -166,7 +166,7 @@ class Uxa90(Servos[Uxa90Settings, Session]):
 
     def published(self, session: Session, before: tuple[object, ...], now: float) -> None:
         """Publish the main board's state when its mode changes, and now and then."""
-        if not before or before[0] != self._shown[0] or now - self._controller_at >= CONTROLLER_S:
+        if not before or before[0] != self._published_key[0] or now - self._controller_at >= CONTROLLER_S:
             self._controller_at = now
             self._publish_controller(session)
 
