@@ -250,7 +250,7 @@ def _is_report(output: object) -> bool:
     return not isinstance(output, Setpoint)
 
 
-def said_by(call: Call) -> dict[str, Any]:
+def origin_of(call: Call) -> dict[str, Any]:
     """Return the kernel's fields of a motion from a call: its source, its age, and a fresh lease."""
     return {
         "source": call.source,
@@ -265,7 +265,7 @@ def said_by(call: Call) -> dict[str, Any]:
 
 
 def marked(setpoint: Struct) -> Struct:
-    """Return a setpoint with a mark instead of its lease: setpoints are public, and whoever quotes a lease may use it."""
+    """Return a setpoint with a mark in place of its lease: setpoints are public, and a lease is valid for any sender."""
     lease = getattr(setpoint, "lease", "")
     return replace(setpoint, lease=mark(lease)) if lease else setpoint
 

@@ -11,7 +11,7 @@ from lbr.messages.power import Supply
 
 STATUS_ADDRESS = 0x69
 COMMANDS_ABOVE = 2
-"""The distance from the status address to the command address: 0x69 to 0x6B, or 0x59 to 0x5B."""
+"""The distance from the status address to the command address, which is 0x6B, or 0x5B."""
 
 MODE, BATTERY, OUTPUT, EXTERNAL, NTC, TO92, CHARGER, COUNTER, FIRMWARE = (
     0x00,

@@ -36,9 +36,9 @@ class WheelController(Protocol):
     """A controller of some motors on its line. Powers are -1..1, forward positive. Every problem is a DeviceError with
     its cure.
 
-    A call takes a few milliseconds in the usual case, and never delays a stop by more than 30 ms, because the same loop
-    stops the wheels. An unacknowledged command counts as lost, and the capability repeats it. The controller calls
-    `beat`, which it gets from `connect`, before every write.
+    A call usually takes a few milliseconds, and never delays a stop by more than 30 ms: the same loop stops the wheels.
+    An unacknowledged command counts as lost, and the capability repeats it. The controller calls `beat`, which it gets
+    from `connect`, before every write.
     """
 
     lost: int

@@ -91,7 +91,7 @@ class Calibration:
         self._fusion = fusion
         self._collection: Collection | None = None
         self._pending: PendingReport | None = None
-        self._told_s = -inf
+        self._published_s = -inf
         self._progress = CalibrationProgress(phase="done", collected=0, wanted=0, coverage=0.0)
 
     def command(self, call: Call) -> None:
@@ -192,9 +192,9 @@ class Calibration:
             self._collecting(collection, text, now)
 
     def _collecting(self, collection: Collection, text: str, now: float) -> None:
-        if now - self._told_s < PUBLISH_S:
+        if now - self._published_s < PUBLISH_S:
             return
-        self._told_s = now
+        self._published_s = now
         self._progress = CalibrationProgress(
             phase="collecting",
             collected=len(collection.samples),

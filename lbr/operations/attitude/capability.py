@@ -62,8 +62,8 @@ class Attitude(Capability[AttitudeSettings]):
                 self._published, self._published_s = state, now
                 self.ctx.publish("state", state)
                 self._calibration.published(state)
-            for told in self._turns.look(state, now):
-                self.ctx.event(told.kind, told.text, data=dict(told.data))
+            for report in self._turns.look(state, now):
+                self.ctx.event(report.kind, report.text, data=dict(report.data))
             self._tell_health(state, now)
         self._calibration.step()
 

@@ -33,11 +33,10 @@ AGM_12V: tuple[tuple[float, float], ...] = (
 class BatterySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `battery`; the defaults are a 12 V AGM battery of 35 Ah.
 
-    `table`: volts at rest and charge, both ascending. The volts at rest are the measured ones plus the drop of the
-    current over `internal_ohm` (battery and cables); `idle_a` is the current beside the motors. The battery counts as
-    charging once these are above `charging_v` for `charging_after_s`. It no longer does when they are below
-    `discharging_v` for `discharging_after_s`, or it drives. Afterwards only a rise by `charging_rise_v` means a
-    charger.
+    `table`: volts at rest and charge, both ascending. The volts at rest are the measured ones plus the voltage drop
+    over `internal_ohm` (battery and cables). `idle_a` is drawn beside the motors. It charges once these volts are above
+    `charging_v` for `charging_after_s`, until they are below `discharging_v` for `discharging_after_s` or it drives.
+    Afterwards only a rise by `charging_rise_v` means a charger.
     """
 
     table: Annotated[tuple[tuple[Volts, Annotated[float, Meta(ge=0.0, le=1.0)]], ...], Meta(min_length=2)] = AGM_12V

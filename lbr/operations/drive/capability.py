@@ -28,7 +28,7 @@ from lbr.operations.drive.state import (
     Tick,
     motors_trouble,
 )
-from lbr.operations.lender import Answers, LeasingCapability, new_goal, said_by
+from lbr.operations.lender import Answers, LeasingCapability, new_goal, origin_of
 
 STATE_PERIOD_S = 0.1
 RESTING_PERIOD_S = 0.5
@@ -157,12 +157,12 @@ class Drive(LeasingCapability[DriveSettings, State]):
 def _event(call: Call, answers: Answers = NO_ANSWERS) -> Command:
     found = UNANSWERED if answers is None else answers
     verdicts = {name: said if isinstance(said, CheckVerdict) else None for name, said in found.items()}
-    return Command(command=call.message, new_goal=new_goal(), checks=verdicts, **said_by(call))
+    return Command(command=call.message, new_goal=new_goal(), checks=verdicts, **origin_of(call))
 
 
 def _gist(state: DriveState) -> tuple[object, ...]:
     """Return the values whose change is published at once."""
     stopped_by = "" if state.moving else state.reason
     asked = (state.power, state.angle_deg)
-    told = bool(state.limited_by), stopped_by, state.stopped_s, state.estop
-    return (state.moving, asked, state.holder, state.goal, *told)
+    news = bool(state.limited_by), stopped_by, state.stopped_s, state.estop
+    return (state.moving, asked, state.holder, state.goal, *news)

@@ -23,8 +23,7 @@ from lbr.operations.drive.state import Goal, State
 FARTHEST_CM = 768.0
 LOST_AFTER_S = 0.3
 LONGEST_LAG_S = 0.2
-"""The greatest assumed age of a reading. Without a reported age it is half of the board's cycle; a longer cycle is not
-trusted."""
+"""The greatest assumed age of a reading: without a reported age it is half of the board's cycle, within this limit."""
 
 
 def bounded(command: Motion) -> TypeGuard[DriveCommand | TurnCommand | HeadingCommand]:

@@ -1,4 +1,4 @@
-"""The effect of a command: a refusal, a renewal, a change, a beginning or an offer of a lease to confirm."""
+"""The effect of a command: a refusal, a renewal, a change, a new motion, or an offer of a lease to confirm."""
 
 from math import copysign
 
@@ -19,7 +19,7 @@ from lbr.operations.drive.wheels import next_wheels, setpoint_of, tell
 
 
 def command(state: State, event: Command, now: float) -> Decision:
-    """Refuse a command, or do what it wants."""
+    """Refuse a command, or do it."""
     ask = _asked(state, event, now)
     if ask.wants == "stop":
         return stop(state, Stop(source=event.source, received=event.received), now)
@@ -46,13 +46,13 @@ def to_be_checked(state: State, event: Command, now: float) -> bool:
 
 
 def stop(state: State, event: Stop, now: float) -> Decision:
-    """Stand still, whichever sender says so."""
+    """Stop, for any sender."""
     state, said = halt(state, decide.stop(state.leases, event, now), now)
     return state, (*said, decide.STOPPED)
 
 
 def drive(state: State, now: float) -> Decision:
-    """Say what the motors are to do now."""
+    """Return the next setpoint of the motors."""
     state = next_wheels(state, now)
     lease = state.lease.id if state.lease else ""
     setpoint = Setpoint(message=setpoint_of(state, lease))
@@ -61,7 +61,7 @@ def drive(state: State, now: float) -> Decision:
 
 
 def _asked(state: State, event: Command, now: float) -> Ask[ActiveMotion]:
-    """Return a command as a request to the leases; after the user's checks, it may be older."""
+    """Return a command as a request to the leases; after the user's checks it may be older."""
     command = event.command
     request = LeaseRequest(
         source=event.source,
@@ -83,7 +83,7 @@ def _asked(state: State, event: Command, now: float) -> Ask[ActiveMotion]:
 
 
 def _active_motion(state: State, event: Command, ask: Ask[ActiveMotion]) -> ActiveMotion:
-    """Return what the base is to be held for; what confirms an offer goes on with the goal that was offered."""
+    """Return the motion of the base; the confirmation of an offer keeps the offered goal."""
     asked, goal = event.command, None
     if goals.bounded(asked):
         offered = ask.confirms.motion.goal if ask.confirms is not None else None

@@ -1,4 +1,4 @@
-"""The belief about the attitude: how far the base has turned, how fast it turns and where it looks."""
+"""The belief about the attitude: the angle turned, the rate of turn and the heading."""
 
 from math import inf, isfinite, nan
 
@@ -11,16 +11,16 @@ from lbr.operations.drive.settings import DriveSettings
 
 JUMP_DEG = 5.0
 JUMP_SHARE = 1.5
-"""Turning faster than at full power, by this much, is nothing that a base does."""
+"""The greatest plausible rate of turn, as a multiple of that at full power."""
 SMOOTHING = 0.5
 BEGAN_S = 0.08
-"""A body at rest is reported at once when it begins to turn: it did so no longer ago."""
+"""The greatest age of a turn's start: a body at rest is reported at once when it begins to turn."""
 
 
 class HeadingView(Struct, frozen=True, kw_only=True):
-    """The newest attitude; `trouble` says why it is not to be turned by. Clockwise is positive.
+    """The newest attitude; `trouble` explains why it cannot be used for turns. Clockwise is positive.
 
-    `seen` is when it was measured, `rate_dps` how fast the base turned between the last two.
+    `seen` is the time of its measurement, `rate_dps` the rate of turn between the last two.
     """
 
     trouble: str = "no attitude was heard yet"
@@ -33,11 +33,11 @@ class HeadingView(Struct, frozen=True, kw_only=True):
     rests: bool = False
 
 
-UNHEARD = HeadingView()
+UNKNOWN = HeadingView()
 
 
 def see(before: HeadingView, attitude: AttitudeState, arrived: float, settings: DriveSettings) -> HeadingView:
-    """Return what is believed after a new attitude; one that was overtaken changes nothing."""
+    """Return the belief after a new attitude; an overtaken one changes nothing."""
     seen = min(attitude.measured_s, arrived)  # this way round, NaN stays NaN
     if seen <= before.seen and attitude.valid and attitude.epoch == before.epoch:
         return before
@@ -57,9 +57,10 @@ def see(before: HeadingView, attitude: AttitudeState, arrived: float, settings: 
 
 
 def not_known(heading: HeadingView, settings: DriveSettings, now: float, since: float = -inf) -> str:
-    """Return why the base cannot turn by the attitude now, or nothing; comparisons are such that NaN cannot.
+    """Return why the base cannot turn by the attitude now, or an empty string; NaN in a comparison means that it
+    cannot.
 
-    An attitude at rest may be older before a turn, and has the usual time to be renewed `since` its beginning.
+    An attitude at rest may be older before a turn; from the turn's start (`since`) it has the usual time to be renewed.
     """
     if heading.trouble:
         return heading.trouble

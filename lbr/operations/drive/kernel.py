@@ -1,4 +1,4 @@
-"""The decisions of drive operations, as a pure function of what is known, what happened and when."""
+"""The decisions of drive operations, as a pure function of state, event and time."""
 
 from collections.abc import Iterable
 from math import inf, isfinite, isnan, nan
@@ -47,7 +47,7 @@ PHRASING = Phrasing(
     idle="no sender drives",
 )
 LAPSE_AHEAD_ROUNDS = 1.5
-"""A lapse is noticed by the loop, up to a round late, and takes a moment to reach the motors."""
+"""The reserve for a lapse: the loop notices it up to a round late, and it takes a moment to reach the motors."""
 
 
 def first_state(
@@ -58,7 +58,7 @@ def first_state(
 ) -> State:
     """Return the state of a base that was not moved since it `began`.
 
-    Without rows of sensors it has a ring of them, without those of wheels two driven ones.
+    The default sensors are a ring, the default wheels two driven ones.
     """
     base = differential(settings.track_m) if base is None else base
     settings = replace(settings, track_m=base.track_m)
@@ -72,15 +72,14 @@ def first_state(
 
 
 def decide(state: State, event: Event, now: float) -> Decision:
-    """Return the state after an event and what is to be said; whatever is over by `now` ends before the event
-    counts."""
+    """Return the state after an event, and the outputs; what is over by `now` ends before the event counts."""
     state, ended = end_what_is_over(state, now) if now >= state.clock else _lose_time(state, now)
     state, said = _handle(replace(state, clock=now), event, now)
     return state, ended + said
 
 
 def drive_state(state: State, now: float, loop: LoopStatistics | None = None) -> DriveState:
-    """Return what the world may know."""
+    """Return the published state."""
     lease = state.lease
     goal = _goal(state)
     why = _why_at_rest(state, now)
@@ -150,7 +149,7 @@ def _ranges(state: State, event: RangesSeen, now: float) -> Decision:
 
 
 def _scan(state: State, event: ScanSeen, now: float) -> State:
-    """Take in a scan; that of a sensor without a row, or of one whose row has a single distance, does not count."""
+    """Add a scan; it is ignored if its sensor has no row, or a row with one distance."""
     scan, arrived = event.scan, _no_later(event.arrived, now)
     row = state.sensors.rows.get(scan.sensor)
     if row is None or row.rays == 1:
@@ -163,7 +162,7 @@ def _scan(state: State, event: ScanSeen, now: float) -> State:
 
 
 def _sees(state: State, now: float) -> dict[str, float | None]:
-    """Return what sensors that watch by themselves see in the way; where nothing is, nothing is told."""
+    """Return the distances seen in the way by sensors with a view of their own; without an obstacle they are left out."""
     believed = {
         name: rules.believed_m(state.views.get(name), rule, now) for name, rule in state.sensors.watched.items()
     }
@@ -175,7 +174,7 @@ def _sees(state: State, now: float) -> dict[str, float | None]:
 
 
 def _attitude(state: State, event: AttitudeSeen, now: float) -> Decision:
-    """Take in the attitude; a turn that goes on is watched by it."""
+    """Update the attitude; a turn in progress is checked by it."""
     seen = heading_view.see(state.heading, event.attitude, _no_later(event.arrived, now), state.settings)
     state = replace(state, heading=seen, memory=obstacle_memory.turned(state.memory, state.heading, seen))
     goal = _goal(state)
@@ -186,7 +185,7 @@ def _attitude(state: State, event: AttitudeSeen, now: float) -> Decision:
 
 
 def _odometry(state: State, event: OdometrySeen, now: float) -> Decision:
-    """Take in the odometry; a distance that is being driven is watched by it."""
+    """Update the odometry; a distance in progress is checked by it."""
     seen = odometry_view.see(state.odometry, event.odometry, _no_later(event.arrived, now), state.settings)
     state = replace(state, odometry=seen, memory=obstacle_memory.drove(state.memory, state.odometry, seen))
     goal = _goal(state)
@@ -221,7 +220,7 @@ def _no_later(arrived: float, now: float) -> float:
 
 
 def _lose_time(state: State, now: float) -> Decision:
-    """Stop and forget whatever has a date: none of it means anything on a clock that went back."""
+    """Stop, and forget every dated value: dates are meaningless after the clock went back."""
     forgotten = replace(
         state,
         motors=None,
@@ -230,9 +229,9 @@ def _lose_time(state: State, now: float) -> Decision:
         views={},
         scans={},
         memory=obstacle_memory.redated(state.memory, now),
-        heading=heading_view.UNHEARD,
-        odometry=odometry_view.UNHEARD,
-        told_at=nan,
+        heading=heading_view.UNKNOWN,
+        odometry=odometry_view.UNKNOWN,
+        reported_at=nan,
         ticked=nan,
     )
     return halt(forgotten, ending.lose_time(state.leases, state.clock, now), now)

@@ -1,4 +1,4 @@
-"""All that limits a motion: what the sensors see now, and what they saw. The strictest counts."""
+"""All limits of a motion, by present and remembered sights; the strictest counts."""
 
 from collections.abc import Iterable
 
@@ -11,7 +11,7 @@ from lbr.operations.drive.state import State
 
 
 def limit(state: State, sides: Sides, now: float, blocked: Iterable[Blocker] = ()) -> Limit:
-    """Return the strictest limit on this motion; `blocked` is by what it was already stopped."""
+    """Return the strictest limit on this motion; `blocked` has the causes by which it was already stopped."""
     held, (left, right, aside) = tuple(blocked), sides
     seen = rules.limit(state.settings, state.views, (left, right), now, held, aside, rules=state.sensors.rules)
     remembered = obstacle_memory.limit(state.memory, state.settings, (left, right), now, held, aside)

@@ -1,4 +1,4 @@
-"""From power and angle to the two wheels."""
+"""The mixing of power and angle into the powers of two wheels."""
 
 from math import cos, fmod, radians, sin
 

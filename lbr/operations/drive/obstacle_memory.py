@@ -1,4 +1,4 @@
-"""The sensors' finds stay in their place for a while: arcs and spins do not run into things outside the cones."""
+"""A memory of seen obstacles: it keeps arcs and spins from obstacles outside the sensors' cones."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import atan2, cos, hypot, inf, isnan, pi, radians, sin, tau
@@ -20,23 +20,23 @@ from lbr.operations.drive.settings import DriveSettings
 MOST_SPOTS = 40
 ACROSS = (-1.0, -0.5, 0.0, 0.5, 1.0)
 SECTOR_RAD = pi / 36
-"""Of a scan the nearest in so much around the base is remembered."""
+"""The width of a sector around the base, of which a scan leaves the nearest spot."""
 SURE_SHARE = 0.8
-"""The part of a cone in which nothing is missed."""
+"""The part of a cone in which no obstacle is missed."""
 BEYOND_M = 0.15
-"""Something is gone when its sensor sees so much farther, and too near to be seen when it is not so far away."""
+"""A spot is dropped when its sensor sees this much farther; a nearer spot is too near for the sensor to see."""
 APART_M = 0.06
 LEAST_M = 0.02
-"""By its own estimate alone the base would creep up to something for ever."""
+"""The shortest way that counts: by its own estimate alone the base would creep up to an obstacle forever."""
 STILL_M, STILL_RAD = 0.01, 0.01
 WORDS: dict[Direction, str] = {"forward": "ahead", "back": "behind", "left": "on the left", "right": "on the right"}
 
 
 class Spot(NamedTuple):
-    """Where something was seen, and when: x ahead, y left, from the middle of the base (REP 103).
+    """The place of an obstacle, and the time it was seen: x ahead, y left, from the middle of the base (REP 103).
 
-    `by` is the sensor that saw it, as long as the base has not moved since then. A `scanner` alone can see that its own
-    finds are gone: others look at other heights.
+    `by` is the sensor that saw it, until the base moves. Only its own `scanner` can clear the spot of a scan: other
+    sensors look at other heights.
     """
 
     x_m: float
@@ -47,9 +47,9 @@ class Spot(NamedTuple):
 
 
 class ObstacleMemory(Struct, frozen=True, kw_only=True):
-    """The things seen around the base when its sensors were last heard, and the way of the base since then.
+    """The obstacles around the base at the last reading of its sensors, and the way of the base since then.
 
-    `turned_rad` and `way_m` are those parts of it that the wheels' powers alone tell: attitude and odometry correct
+    `turned_rad` and `way_m` are the parts of that way known from the wheels' powers only; attitude and odometry correct
     them.
     """
 
@@ -62,7 +62,7 @@ class ObstacleMemory(Struct, frozen=True, kw_only=True):
 
 
 class Ahead(Struct, frozen=True, kw_only=True):
-    """The first obstacle of a motion: after `way_m` of its faster wheel (infinite: no obstacle); where it is now."""
+    """The first obstacle of a motion: after `way_m` of its faster wheel (infinite: no obstacle), and its place now."""
 
     way_m: float = inf
     side: Direction = "forward"
@@ -88,7 +88,7 @@ def moved(
 
 
 def turned(memory: ObstacleMemory, before: HeadingView, after: HeadingView) -> ObstacleMemory:
-    """Return the memory of a base that turned as the attitude says, rather than as its wheels do."""
+    """Return the memory with the turn from the attitude in place of that from the wheels."""
     if after is before:
         return memory
     turn_rad = memory.turned_rad
@@ -98,7 +98,7 @@ def turned(memory: ObstacleMemory, before: HeadingView, after: HeadingView) -> O
 
 
 def drove(memory: ObstacleMemory, before: OdometryView, after: OdometryView) -> ObstacleMemory:
-    """Return the memory of a base that went as far as the odometry says."""
+    """Return the memory with the way from the odometry in place of that from the wheels."""
     if after is before:
         return memory
     way_m = memory.way_m
@@ -110,7 +110,7 @@ def drove(memory: ObstacleMemory, before: OdometryView, after: OdometryView) -> 
 def see(
     memory: ObstacleMemory, views: Mapping[str, View], now: float, settings: DriveSettings, sensors: Sensors = USUAL
 ) -> ObstacleMemory:
-    """Return the memory after new readings, of which only those count that came now: no reading frees nothing."""
+    """Return the memory after new readings; only those of this moment count, and a missing reading clears nothing."""
     if not settings.memory_s > 0.0:
         return ObstacleMemory()
     stands = hypot(memory.x_m, memory.y_m) < STILL_M and abs(memory.yaw_rad) < STILL_RAD
@@ -126,7 +126,7 @@ def see(
 def see_scan(
     memory: ObstacleMemory, row: RangeSensor, scan: Scan, now: float, settings: DriveSettings
 ) -> ObstacleMemory:
-    """Return the memory after a scan: what it meets is there, and what it looks past is not."""
+    """Return the memory after a scan: with the spots that it hits, without those that it looks past."""
     if not settings.memory_s > 0.0 or not sensing.plausible(scan):
         return memory
     stands = hypot(memory.x_m, memory.y_m) < STILL_M and abs(memory.yaw_rad) < STILL_RAD
@@ -136,7 +136,7 @@ def see_scan(
     by_sector: dict[int, tuple[float, Spot]] = {}
     reach_m = settings.memory_reach_m + settings.body_length_m / 2
     for number, value_m in enumerate(metres):
-        if 0.0 <= value_m < reach_m:  # this way round, NaN is nowhere
+        if 0.0 <= value_m < reach_m:  # this way round, NaN is no place
             angle = row.yaw_rad + scan.angle_min_rad + number * scan.angle_increment_rad
             spot = Spot(row.x_m + value_m * cos(angle), row.y_m + value_m * sin(angle), now, row.name, row.name)
             sector, away_m = round(atan2(spot.y_m, spot.x_m) / SECTOR_RAD), hypot(spot.x_m, spot.y_m)
@@ -153,12 +153,12 @@ def _with(memory: ObstacleMemory, spots: list[Spot], *, stands: bool) -> Obstacl
 
 
 def redated(memory: ObstacleMemory, now: float) -> ObstacleMemory:
-    """Return the memory on a clock that starts over: everything in it was seen just now."""
+    """Return the memory on a clock that starts over: all spots count as seen just now."""
     return replace(memory, spots=tuple(spot._replace(seen=now) for spot in memory.spots))
 
 
 def around(memory: ObstacleMemory) -> list[Spot]:
-    """Return what is remembered, from where the base is now."""
+    """Return the remembered spots, relative to the base now."""
     return [
         Spot(*place, spot.seen, None, spot.scanner) for place, spot in zip(_places(memory), memory.spots, strict=True)
     ]
@@ -172,7 +172,7 @@ def limit(
     blocked: Iterable[Blocker] = (),
     aside: float = 0.0,
 ) -> Limit:
-    """Return what the memory does to a motion of the wheels, and sideways to the left.
+    """Return the memory's limit on a motion of the wheels, and sideways to the left.
 
     A stop is held until there is some more room.
     """
@@ -200,13 +200,13 @@ def _limit(obstacle: Ahead, speed: float, settings: DriveSettings, blocked: Iter
 
 
 def sweeps(wheels: tuple[float, float]) -> bool:
-    """Return whether a motion is an arc or a spin: what is straight ahead or behind is the live rules' matter."""
+    """Return whether a motion is an arc or a spin; straight ahead and behind only the live rules apply."""
     parts = towards(*wheels)
     return parts["left"] > 0.0 or parts["right"] > 0.0
 
 
 def ahead(memory: ObstacleMemory, wheels: tuple[float, float], settings: DriveSettings) -> Ahead:
-    """Return what an arc or a spin comes to first; one to the right is looked at in a mirror."""
+    """Return the first obstacle of an arc or a spin; one to the right is computed in a mirror."""
     left, right = wheels
     mirror = 1.0 if right > left else -1.0
     slower, faster = (left, right) if right > left else (right, left)
@@ -223,7 +223,7 @@ def ahead(memory: ObstacleMemory, wheels: tuple[float, float], settings: DriveSe
 
 
 def _beside(memory: ObstacleMemory, way: tuple[float, float], settings: DriveSettings) -> Ahead:
-    """Return what a motion straight along a way, ahead and to the left, comes to first."""
+    """Return the first obstacle of a straight motion, ahead and to the left."""
     reach_m = (
         settings.body_length_m / 2 + settings.memory_margin_m,
         settings.body_width_m / 2 + settings.memory_margin_m,
@@ -238,7 +238,7 @@ def _beside(memory: ObstacleMemory, way: tuple[float, float], settings: DriveSet
 
 
 def _until_m(spot: tuple[float, float], way: tuple[float, float], reach_m: tuple[float, float]) -> float:
-    """Return how far a rectangle goes along a way until a spot is in it; infinite: never, or it goes away from it."""
+    """Return the way of a rectangle until a spot is in it; infinite if it never is, or the rectangle moves away."""
     speed, first, last = hypot(*way), -inf, inf
     for at_m, part, half_m in zip(spot, way, reach_m, strict=True):
         if part == 0.0:
@@ -273,13 +273,13 @@ def _shifted(memory: ObstacleMemory, way_m: float, turn_rad: float, aside_m: flo
 
 
 def _seen(spots: list[Spot], view: View, row: RangeSensor, settings: DriveSettings) -> list[Spot]:
-    """Return the spots after what a sensor sees: without those that it looks past, and with what is near.
+    """Return the spots after a reading: without those that the sensor looks past, and with new near ones.
 
-    Its finds may be anywhere across its cone, and reach out of it. New spots take the place of old ones beside them.
+    An obstacle may be anywhere across its cone, and extend beyond it. New spots replace old ones beside them.
     """
     c, s, near_m = cos(row.yaw_rad), sin(row.yaw_rad), view.raw_m
     face_m, off_m = round(row.x_m * c + row.y_m * s, 9), round(row.y_m * c - row.x_m * s, 9)
-    clear_m = min(near_m, view.distance_m) - BEYOND_M  # a farther value counts when a second one confirms it
+    clear_m = min(near_m, view.distance_m) - BEYOND_M  # a farther value counts once a second one confirms it
     half_m = max(near_m * sin(row.fov_rad / 2), settings.memory_aside_m)
     across = [part * half_m for part in ACROSS] if near_m < settings.memory_reach_m else []
     remaining = []
@@ -295,7 +295,7 @@ def _seen(spots: list[Spot], view: View, row: RangeSensor, settings: DriveSettin
 
 
 def _passed(spot: Spot, row: RangeSensor, scan: Scan, metres: Sequence[float]) -> bool:
-    """Return whether a scan looks past what it saw before, or sees it again."""
+    """Return whether a scan looks past a spot of an earlier scan, or sees it again."""
     if spot.scanner != row.name:
         return False
     x_m, y_m, step = spot.x_m - row.x_m, spot.y_m - row.y_m, scan.angle_increment_rad
@@ -309,8 +309,7 @@ def _passed(spot: Spot, row: RangeSensor, scan: Scan, metres: Sequence[float]) -
 
 
 def _past(spot: Spot, row: RangeSensor, along_m: float, across_m: float, clear_m: float) -> bool:
-    """Return whether a sensor sees past a spot: by its cone, and past all that it saw from here if it sees that no
-    more."""
+    """Return whether a sensor sees past a spot: by its cone, or past a spot of its own from this position."""
     if spot.scanner is not None:
         return False
     if spot.by == row.name:
@@ -320,7 +319,7 @@ def _past(spot: Spot, row: RangeSensor, along_m: float, across_m: float, clear_m
 
 
 def _named(x_m: float, y_m: float, settings: DriveSettings) -> tuple[Direction, float]:
-    """Return on which side of the base something is and how far from its outline."""
+    """Return the side of the base on which a point is, and its distance from the outline."""
     out_x, out_y = abs(x_m) - settings.body_length_m / 2, abs(y_m) - settings.body_width_m / 2
     distance_m = hypot(max(0.0, out_x), max(0.0, out_y))
     if out_y > out_x:

@@ -1,4 +1,4 @@
-"""The belief about the odometry: how far the base went, how fast it goes, and whether its wheels stall or slip."""
+"""The belief about the odometry: distance and speed of the base, and whether its wheels stall or slip."""
 
 from math import inf, isfinite, nan
 
@@ -15,7 +15,7 @@ JUMP_SHARE = 2.0
 
 
 class OdometryView(Struct, frozen=True, kw_only=True):
-    """The newest odometry; `trouble` says why no distance is to be driven by it. Backwards is negative."""
+    """The newest odometry; `trouble` explains why no distance can be driven by it. Backwards is negative."""
 
     trouble: str = "no odometry was heard yet"
     epoch: str = ""
@@ -27,11 +27,11 @@ class OdometryView(Struct, frozen=True, kw_only=True):
     rests: bool = False
 
 
-UNHEARD = OdometryView()
+UNKNOWN = OdometryView()
 
 
 def see(before: OdometryView, odometry: OdometryState, arrived: float, settings: DriveSettings) -> OdometryView:
-    """Return what is believed after new odometry; one that was overtaken changes nothing."""
+    """Return the belief after new odometry; an overtaken one changes nothing."""
     counted_s = nan if odometry.counted_s is None else odometry.counted_s
     seen = min(counted_s, arrived)  # this way round, NaN stays NaN
     if seen <= before.seen and odometry.valid and odometry.epoch == before.epoch:
@@ -57,9 +57,9 @@ def see(before: OdometryView, odometry: OdometryState, arrived: float, settings:
 
 
 def not_known(odometry: OdometryView, now: float, since: float = -inf) -> str:
-    """Return why no distance can be driven now, or nothing; comparisons are such that NaN cannot.
+    """Return why no distance can be driven now, or an empty string; NaN in a comparison means that it cannot.
 
-    Odometry at rest may be older before a motion, and has the usual time to be renewed `since` its beginning.
+    Odometry at rest may be older before a motion; from its start (`since`) it has the usual time to be renewed.
     """
     if odometry.trouble:
         return odometry.trouble

@@ -1,5 +1,4 @@
-"""Coming to rest at a range: how far it is by the readings and by the way since, how fast, and whether the base stands
-there."""
+"""The approach to a range: the distance by readings and by the way since, the speed, and the arrival."""
 
 from itertools import pairwise
 from math import hypot, isnan, nan, sqrt
@@ -13,32 +12,32 @@ from lbr.operations.drive.rules import allowed_mps
 from lbr.operations.drive.settings import DriveSettings
 
 NEAR_M = 0.005
-"""So near the target a base that stands has reached it: a creep is no shorter."""
+"""The distance from the target at which a standing base has arrived: a creep is no shorter."""
 NOISE_M = 0.01
-"""Standard deviation of a reading of a base that stands: a sonar wavers by a centimetre."""
+"""Standard deviation of a reading of a standing base: a sonar wavers by a centimetre."""
 LATE_S = 0.05
-"""Standard deviation of the age of a reading: of a base that moves it says less."""
+"""Standard deviation of the age of a reading: it makes readings of a moving base less exact."""
 DRIFT = 0.02
-"""Share of its way by which the odometry may be wrong."""
+"""The error of the odometry, as a share of the way."""
 JUMP_M = 0.05
-"""A reading that differs by more is of something else: it counts alone."""
+"""The difference from which a reading belongs to another object, and counts alone."""
 SETTLED = 3
-"""Readings at rest before it is judged."""
+"""The number of readings at rest before the arrival is judged."""
 HALT_TICKS = 2.0
-"""From a setpoint to the wheels that obey it."""
+"""The ticks from a setpoint to its effect on the wheels."""
 KEPT_S = 0.3
-"""No reading is older."""
+"""The greatest age of a reading."""
 
 Mark = tuple[float, float]
-"""A time, and how far the base had gone by then."""
+"""A time, and the way of the base by then."""
 
 
 class RangeGoal(Struct, frozen=True, kw_only=True):
     """A way to a range: `whole_m` from its beginning, with the standard deviation `error_m`.
 
-    `marks` say how far it has gone, the last one by the odometry's `counted_m` of its `epoch`; `since_m` is the way
-    since then by the setpoint. `sense` is 1 ahead and -1 back. `halts`: the base brakes to its rest there, or stands,
-    with `rested` readings since.
+    `marks` are times and ways, the last one by the odometry's `counted_m` of its `epoch`. `since_m` is the way since
+    then by the setpoint. `sense` is 1 ahead and -1 back. `halts`: the base brakes to its rest there, or stands, with
+    `rested` readings since.
     """
 
     whole_m: float
@@ -53,25 +52,25 @@ class RangeGoal(Struct, frozen=True, kw_only=True):
 
     @property
     def left_m(self) -> float:
-        """Return how far it is now."""
+        """Return the remaining distance."""
         return self.whole_m - self.marks[-1][1] - self.since_m
 
 
 def read(way: RangeGoal, left_m: float, measured_s: float, ahead_mps: float, *, stands: bool) -> RangeGoal:
-    """Return the way after a reading: it counts for more the less is known, and the slower the base is."""
+    """Return the way after a reading, which weighs more if little is known, and if the base is slow."""
     rested = way.rested + 1 if stands and way.halts else 0
-    whole_m, told_m = left_m + _gone_m(way, measured_s, ahead_mps), hypot(NOISE_M, ahead_mps * LATE_S)
+    whole_m, reading_error_m = left_m + _gone_m(way, measured_s, ahead_mps), hypot(NOISE_M, ahead_mps * LATE_S)
     apart_m = whole_m - way.whole_m
     if not abs(apart_m) <= JUMP_M:
-        return replace(way, whole_m=whole_m, error_m=told_m, rested=rested)
-    share = way.error_m**2 / (way.error_m**2 + told_m**2)
+        return replace(way, whole_m=whole_m, error_m=reading_error_m, rested=rested)
+    share = way.error_m**2 / (way.error_m**2 + reading_error_m**2)
     return replace(way, whole_m=way.whole_m + share * apart_m, error_m=way.error_m * sqrt(1.0 - share), rested=rested)
 
 
 def driven(
     way: RangeGoal, odometry: OdometryView, ahead_mps: float, elapsed_s: float, now: float, settings: DriveSettings
 ) -> RangeGoal:
-    """Return the way after a step at a speed: it halts where the base will come to rest, and goes on if that was
+    """Return the way after a step at a speed: it halts where the base will come to rest, and continues if that was
     short."""
     way = _counted(way, odometry, ahead_mps, elapsed_s, now)
     if way.halts:
@@ -82,7 +81,7 @@ def driven(
 
 
 def power(way: RangeGoal, asked: float, settings: DriveSettings) -> float:
-    """Return the power now, `asked` at most: less near the range, by what the rules know of braking."""
+    """Return the power now, `asked` at most: less near the range, as the rules for braking allow."""
     if way.halts or isnan(way.left_m):
         return 0.0
     return min(asked, max(allowed_mps(way.left_m, settings) / settings.max_speed_mps, settings.creep_power))
@@ -94,7 +93,7 @@ def is_over(way: RangeGoal) -> bool:
 
 
 def _counted(way: RangeGoal, odometry: OdometryView, ahead_mps: float, elapsed_s: float, now: float) -> RangeGoal:
-    """Return the way by the odometry's newest distance, or by the setpoint where that is not known."""
+    """Return the way by the odometry's newest distance, or by the setpoint if that is unknown."""
     at_s, gone_m = way.marks[-1]
     known = not (odometry.rests or odometry_view.not_known(odometry, now))
     if not known or odometry.epoch != way.epoch:
@@ -112,7 +111,7 @@ def _marked(way: RangeGoal, mark: Mark) -> RangeGoal:
 
 
 def _gone_m(way: RangeGoal, at_s: float, ahead_mps: float) -> float:
-    """Return how far the base had gone at a time."""
+    """Return the way of the base by a time."""
     last_s, last_m = way.marks[-1]
     if at_s >= last_s:
         return last_m + ahead_mps * (at_s - last_s)

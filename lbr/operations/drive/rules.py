@@ -1,4 +1,4 @@
-"""Range rules: how fast the base may move towards what its sensors see. Rules only ever slow down."""
+"""Range rules: the speed of the base towards the sights of its sensors. Rules only ever slow down."""
 
 from collections.abc import Iterable, Mapping
 from math import inf, isfinite, isnan, nan, sqrt
@@ -41,10 +41,10 @@ class Odometer(Struct, frozen=True, kw_only=True):
 
 
 class View(Struct, frozen=True, kw_only=True):
-    """The belief about one sensor: `distance_m` is infinite when nothing is near, NaN when it is not known.
+    """The belief about one sensor: `distance_m` is infinite when nothing is near, NaN when it is unknown.
 
-    `pending_m` is a farther value that waits for a second one like it. `idle_m` is how far the base was driven
-    while `raw_m` came `repeats` times in a row unchanged.
+    `pending_m` is a farther value that waits for a second one like it. `idle_m` is the distance driven while `raw_m`
+    came `repeats` times in a row unchanged.
     """
 
     distance_m: float
@@ -60,8 +60,8 @@ class View(Struct, frozen=True, kw_only=True):
 class Limit(Struct, frozen=True, kw_only=True):
     """The effect of the rules on a motion: both wheels times `scale`; 0 stops. `text` names sensor and distance.
 
-    `code` says whether something is there or it is not known; `direction` is the rule's: where the motion goes, or
-    `memory` for what is only remembered.
+    `code` distinguishes an obstacle from an unknown distance. `direction` is the rule's: that of the motion, or
+    `memory` for a remembered obstacle.
     """
 
     scale: float = 1.0
@@ -76,7 +76,7 @@ FREE = Limit()
 
 
 def measured_m(ranges: Ranges, sensor: str, sensors: Sensors = USUAL) -> tuple[float, str]:
-    """Return a reading in metres (infinite: over range; NaN: none) and what is wrong with it."""
+    """Return a reading in metres (infinite: over range; NaN: none) and its error."""
     value = ranges.metres(sensor)
     status = ranges.status.get(sensor, "missing" if value is None else "ok")
     if status == "over_range":
@@ -92,7 +92,7 @@ def measured_m(ranges: Ranges, sensor: str, sensors: Sensors = USUAL) -> tuple[f
 def see(
     views: Mapping[str, View], ranges: Ranges, now: float, odometer: Odometer, sensors: Sensors = USUAL
 ) -> dict[str, View]:
-    """Return what is believed of every sensor after new readings, and of what they see in the way."""
+    """Return the beliefs about all sensors after new readings, with those about obstacles in the way."""
     updated = dict(views)
     for name in sensors.singles:
         if not ranges.tells_of(name):
@@ -112,7 +112,7 @@ def see(
 def see_scan(
     views: Mapping[str, View], scan: Scan, now: float, odometer: Odometer, sensors: Sensors, *, same: bool
 ) -> dict[str, View]:
-    """Return what is believed after a scan; `same`: it is to the last number the one before."""
+    """Return the beliefs after a scan; `same`: it repeats the previous scan exactly."""
     updated = dict(views)
     for side, (near_m, trouble) in sensing.scanned(sensors, sensors.rows[scan.sensor], scan).items():
         name = sensing.view_of(scan.sensor, side)
@@ -132,7 +132,7 @@ def limit(
 ) -> Limit:
     """Return the strictest limit on this motion of the wheels, and sideways to the left.
 
-    `blocked` are directions it already stopped for; `rules` those of the sensors, without them the settings' own.
+    `blocked` are the directions of stops in force; `rules` are the sensors' rules, by default the settings'.
     """
     parts = towards(*wheels, aside)
     held = frozenset(blocked)
@@ -146,10 +146,10 @@ def limit(
 
 
 def towards(left: float, right: float, aside: float = 0.0) -> dict[Direction, float]:
-    """Return how much of a motion goes towards each side, as a fraction of full speed; `aside` goes to the left.
+    """Return the part of a motion towards each side, as a fraction of full speed; `aside` goes to the left.
 
-    Ahead and back count unless it is a spin, the sides only in arcs and spins: an arc sweeps the side it curves to, a
-    spin both. So a base beside a wall can still drive along it and curve away from it.
+    Ahead and back count unless it is a spin. The sides count only in arcs and spins: an arc sweeps the side to which it
+    curves, a spin both. So a base beside a wall can still drive along it and curve away from it.
     """
     ahead, turn = (left + right) / 2, (left - right) / 2
     whole = abs(ahead) + abs(turn)
@@ -213,17 +213,16 @@ def _believed(view: View | None, rule: Rule, now: float) -> tuple[float, str]:
 
 
 def believed_m(view: View | None, rule: Rule, now: float) -> float:
-    """Return the distance that a rule goes by: infinite for nothing near, NaN for not known."""
+    """Return the distance for a rule: infinite for nothing near, NaN for unknown."""
     return _believed(view, rule, now)[0]
 
 
 def _see(
     view: View | None, raw_m: float, trouble: str, now: float, travel_m: float, *, same: bool | None = None
 ) -> View:
-    """Return what is believed after a value; `same`: the sensor told the same before, if that is not to be seen by
-    it."""
+    """Return the belief after a value; `same` is whether the sensor repeats itself, by default by comparison."""
     if view is not None and now < view.seen:
-        return view  # it was overtaken by a newer one
+        return view  # a newer one has overtaken it
     if view is None or isnan(raw_m):
         return View(distance_m=raw_m, trouble=trouble, seen=now, raw_m=raw_m, changed_at_m=travel_m)
     distance_m, pending_m = _trust(view, raw_m, now - view.seen)
@@ -246,7 +245,7 @@ def _travel_m(odometer: Odometer, side: Direction) -> float:
 
 
 def _trust(view: View, raw_m: float, dt_s: float) -> tuple[float, float]:
-    """Take a nearer value at once, a much farther one only when a second reading confirms it."""
+    """Accept a nearer value at once, a much farther one only when a second reading confirms it."""
     step_m = JUMP_M + PLAUSIBLE_MPS * max(0.0, dt_s)
     first = isnan(view.distance_m)
     if first or raw_m <= view.distance_m + step_m or raw_m >= view.pending_m - step_m:

@@ -1,7 +1,7 @@
-"""The base's sensors of distance: which of them can see something in the way of a motion, and what they see there.
+"""The base's range sensors: which can see an obstacle in the way of a motion, and its distance.
 
-Something is in the way of a motion towards one side of the base if it is beyond its outline there and no further aside
-than the outline reaches, and `ASIDE_M`. Its distance is that from the outline.
+An obstacle is in the way of a motion towards one side if it lies beyond the outline there. It may be at most `ASIDE_M`
+further aside than the outline. Its distance is that from the outline.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -17,9 +17,9 @@ from lbr.messages.sensing import RING, RangeSensor, Scan, ring
 from lbr.operations.drive.settings import DriveSettings, Rule
 
 ASIDE_M = 0.05
-"""A base that drives a metre and is three degrees off comes so far aside."""
+"""The sideways error of a base after a metre with a heading error of three degrees."""
 BLIND_RAD = 0.1
-"""A wider part of a scan must not be unknown: at half a metre, a leg of five centimetres hides there."""
+"""The widest part of a scan that may be unknown: at half a metre, a leg of five centimetres hides in it."""
 LOOK_RAD = 0.02
 SPREAD_RAD = 0.05
 LEAST_M = 0.01
@@ -28,12 +28,11 @@ SIDES: Mapping[Direction, float] = {"forward": 0.0, "back": pi, "left": pi / 2, 
 NOT_PLAUSIBLE = "not plausible"
 
 Seen = tuple[float, str]
-"""A distance (infinite: nothing; NaN: not known) and what is wrong with it."""
+"""A distance (infinite: nothing; NaN: unknown) and its error."""
 
 
 class Ray(NamedTuple):
-    """Between which distances something along a ray is in the way, and how far from the outline: start + slope *
-    distance."""
+    """The part of a ray in which an obstacle is in the way; its distance from the outline is start + slope * distance."""
 
     number: int
     enters_m: float
@@ -42,20 +41,19 @@ class Ray(NamedTuple):
     slope: float
 
     def outside_m(self, along_m: float) -> float:
-        """Return how far from the outline something is."""
+        """Return the distance of an obstacle from the outline."""
         return max(0.0, self.start_m + along_m * self.slope)
 
 
 class Way(Struct, frozen=True):
-    """The rays of a sensor that meet what is in the way on one side, and in groups those of which one has to be
-    known."""
+    """The rays of a sensor that meet obstacles on one side, and groups of which one ray each must be known."""
 
     rays: tuple[Ray, ...]
     looks: tuple[tuple[int, ...], ...] = ()
 
 
 class Sensors(Struct, frozen=True, kw_only=True):
-    """The sensors of a base of this size. `rules` are the drive's own, and those that the rows make."""
+    """The sensors of a base of this size. `rules` are the drive's own, and those from rows."""
 
     rows: Mapping[str, RangeSensor]
     length_m: float
@@ -65,27 +63,27 @@ class Sensors(Struct, frozen=True, kw_only=True):
 
     @property
     def watched(self) -> Mapping[str, Rule]:
-        """The rules of sensors that see what is in the way by themselves, by their views."""
+        """The rules of sensors with views of their own, by view."""
         return {rule.sensor: rule for rule in self.rules if " " in rule.sensor}
 
     @property
     def singles(self) -> tuple[str, ...]:
-        """The names of those that tell one distance."""
+        """The names of the sensors with a single distance."""
         order = (*RING, *self.rows)
         return tuple(sorted((name for name, row in self.rows.items() if row.rays == 1), key=order.index))
 
     def covers(self, row: RangeSensor) -> Iterable[tuple[str, Direction]]:
-        """Yield what a sensor watches by itself: the view's name and the side."""
+        """Yield the views of a sensor: name and side."""
         return ((view_of(row.name, side), side) for side in self.ways.get(row.name, ()))
 
 
 def view_of(sensor: str, side: Direction) -> str:
-    """Return the name of what a sensor sees in the way on one side; no row has a name with a blank."""
+    """Return the name of a sensor's view on one side; rows have no blank in their names."""
     return f"{sensor} {side}"
 
 
 def sensors_of(settings: DriveSettings, rows: Iterable[RangeSensor] | None = None) -> Sensors:
-    """Return the sensors of a base; without rows to go by, a ring around its outline."""
+    """Return the sensors of a base; without rows, a ring around its outline."""
     size = settings.body_length_m, settings.body_width_m
     known = {row.name: row for row in sorted(ring(*size) if rows is None else rows, key=_ring_first)}
     named = {one.sensor for one in settings.rules}
@@ -107,12 +105,12 @@ def sensors_of(settings: DriveSettings, rows: Iterable[RangeSensor] | None = Non
 
 
 def sees_along(row: RangeSensor) -> bool:
-    """Return whether what a sensor reads changes when the base drives, rather than when it turns."""
+    """Return whether a sensor's reading changes by driving, rather than by turning."""
     return not row.level or abs(cos(row.yaw_rad)) > abs(sin(row.yaw_rad))
 
 
 def single(way: Way, raw_m: float) -> float:
-    """Return how far from the outline something is whose distance is all that is known: it may be anywhere in the
+    """Return the distance of an obstacle from the outline, for a sensor with one distance: it may be anywhere in the
     cone."""
     found = [ray.outside_m(raw_m) for ray in way.rays if ray.enters_m <= raw_m <= ray.leaves_m]
     if found:
@@ -121,7 +119,7 @@ def single(way: Way, raw_m: float) -> float:
 
 
 def scanned(sensors: Sensors, row: RangeSensor, scan: Scan) -> dict[Direction, Seen]:
-    """Return what a scan shows in the way on each side that the sensor watches."""
+    """Return the obstacles in a scan, for each side that the sensor watches."""
     watched = sensors.ways.get(row.name, {})
     if not plausible(scan):
         return dict.fromkeys(watched, (nan, NOT_PLAUSIBLE))
@@ -131,7 +129,7 @@ def scanned(sensors: Sensors, row: RangeSensor, scan: Scan) -> dict[Direction, S
 
 
 def plausible(scan: Scan) -> bool:
-    """Return whether the angles and limits of a scan can be right: at least two rays, and no more than once around."""
+    """Return whether the angles and limits of a scan are possible: at least two rays, and no more than once around."""
     count, step = len(scan.ranges_m), abs(scan.angle_increment_rad)
     turns = count > 1 and 0.0 < step * (count - 1) <= tau and abs(scan.angle_min_rad) <= tau
     return turns and 0.0 <= scan.range_min_m < scan.range_max_m
@@ -148,7 +146,7 @@ def _ring_first(row: RangeSensor) -> tuple[int, str]:
 
 
 def _ways(row: RangeSensor, length_m: float, width_m: float) -> dict[Direction, Way]:
-    """Return what a sensor watches, by its row alone."""
+    """Return the ways that a sensor watches, by its row."""
     if row.rays > 1:
         found = _crossed(row, row.first_rad, row.step_rad, row.rays, length_m, width_m)
         return {side: way for side, way in found.items() if way.looks}
@@ -161,10 +159,10 @@ def _ways(row: RangeSensor, length_m: float, width_m: float) -> dict[Direction, 
 def _crossed(
     row: RangeSensor, first_rad: float, step_rad: float, count: int, length_m: float, width_m: float
 ) -> Mapping[Direction, Way]:
-    """Return for each side the rays of a scan like this, and the groups of which the row says that they look there."""
+    """Return for each side the rays of such a scan, and the groups in which its row expects a look."""
     angles = [first_rad + number * step_rad for number in range(count)]
     looks = _spread(row.fov_rad, LOOK_RAD)
-    about_rad = max((BLIND_RAD - LOOK_RAD) / 2, 0.6 * row.step_rad)  # as sparse as its row says it may be
+    about_rad = max((BLIND_RAD - LOOK_RAD) / 2, 0.6 * row.step_rad)  # as sparse as its row allows
     ways: dict[Direction, Way] = {}
     for side in SIDES:
         wanted = [looks[ray.number] for ray in _rays(row, looks, side, length_m, width_m)]
@@ -179,7 +177,7 @@ def _scanned(way: Way, metres: Sequence[float], least_m: float) -> Seen:
         value = metres[ray.number]
         if value == -inf and ray.enters_m <= least_m:
             value = ray.enters_m
-        if value < ray.enters_m:  # the base itself, or what it carries
+        if value < ray.enters_m:  # the base itself, or its load
             hidden.add(ray.number)
         elif value <= ray.leaves_m:
             nearest_m = min(nearest_m, ray.outside_m(value))
@@ -197,7 +195,7 @@ def _rays(
 
 
 def _ray(row: RangeSensor, number: int, angle: float, side: Direction, length_m: float, width_m: float) -> Ray | None:
-    """Return where a ray is in the way on one side: in axes that look there, beyond the outline and not far aside."""
+    """Return the part of a ray in the way on one side, in axes of that side: beyond the outline and not far aside."""
     c, s = round(cos(SIDES[side])), round(sin(SIDES[side]))
     ahead_m, aside_m = row.x_m * c + row.y_m * s, row.y_m * c - row.x_m * s
     half_m, wide_m = (length_m / 2, width_m / 2) if c else (width_m / 2, length_m / 2)
@@ -215,7 +213,7 @@ def _ray(row: RangeSensor, number: int, angle: float, side: Direction, length_m:
 
 
 def _beyond(edge_m: float, slope: float) -> tuple[float, float]:
-    """Return between which distances a ray that gains `slope` is beyond an edge."""
+    """Return the distances between which a ray that gains `slope` is beyond an edge."""
     if abs(slope) < 1e-9:
         return (0.0, inf) if edge_m <= 0.0 else (inf, -inf)
     at_m = edge_m / slope

@@ -12,10 +12,11 @@ Seconds = Annotated[float, Meta(gt=0.0, le=10.0)]
 
 
 class Rule(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Slow down for what `sensor` sees when moving towards `direction`, and stop `stop_m` before it.
+    """Slow down for obstacles seen by `sensor` when moving towards `direction`, and stop `stop_m` before them.
 
-    The sensor is a row of `range_sensor`; of a scan, what is in the way counts. A stop is held until there are
-    `margin_m` more. A reading older than `max_age_s`, or unchanged over `frozen_after_m` of driving (side sensors: of turning, at the wheels), is an obstacle.
+    The sensor is a row of `range_sensor`; of a scan, obstacles in the way count. A stop is held until there are
+    `margin_m` more. A reading counts as an obstacle if it is older than `max_age_s`, or unchanged over `frozen_after_m`
+    of driving (side sensors: of turning, at the wheels).
     """
 
     direction: Direction
@@ -35,9 +36,9 @@ DEFAULT_RULES = (
 
 
 class DriveSettings(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Settings of how a base is moved.
+    """Settings of the motion of a base.
 
-    `mixing`: `normalised` keeps the shape of arcs, no wheel above the power asked; `clamped` sums and clamps in
+    `mixing`: `normalised` keeps the shape of arcs, no wheel above the requested power; `clamped` sums and clamps in
     thousandths. `reverse_steering`: in reverse, `rotation` keeps the sense of rotation, `travel` the side of the curve.
     `heading_offset_deg`: added straight ahead and straight back. Rows of `wheel` replace `track_m`.
     """

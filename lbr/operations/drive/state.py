@@ -27,11 +27,11 @@ from lbr.operations.drive.turn_goal import TurnGoal
 
 
 class Command(Struct, frozen=True, kw_only=True):
-    """A motion command that was sent, or else came in, at `received`, with fresh ids in case it is accepted.
+    """A motion command sent, or else received, at `received`, with fresh ids in case it is accepted.
 
-    For `waited_s` before that it had waited at its sender; `by` asked the sender for it. `remote`: from another
-    machine, whose clock said `sender_s` (NaN: it did not tell). `answerable`: the sender waits for the reply. `checks`:
-    what the user's own checks said.
+    Before that it waited at its sender for `waited_s`; `by` is the original requester. `remote`: it is from another
+    machine, whose clock was at `sender_s` (NaN: unknown). `answerable`: the sender waits for the reply. `checks`: the
+    verdicts of the user's own checks.
     """
 
     command: Motion
@@ -48,7 +48,7 @@ class Command(Struct, frozen=True, kw_only=True):
 
 
 class MotorsSeen(Struct, frozen=True, kw_only=True):
-    """The motor driver said how it is."""
+    """The motor driver published its state."""
 
     motors: MotorsState
     arrived: float
@@ -61,28 +61,28 @@ class MotorsLost(Struct, frozen=True, kw_only=True):
 
 
 class RangesSeen(Struct, frozen=True, kw_only=True):
-    """New distances came in."""
+    """New distances arrived."""
 
     ranges: Ranges
     arrived: float
 
 
 class ScanSeen(Struct, frozen=True, kw_only=True):
-    """A new scan came in."""
+    """A new scan arrived."""
 
     scan: Scan
     arrived: float
 
 
 class AttitudeSeen(Struct, frozen=True, kw_only=True):
-    """The attitude came in."""
+    """The attitude arrived."""
 
     attitude: AttitudeState
     arrived: float
 
 
 class OdometrySeen(Struct, frozen=True, kw_only=True):
-    """The odometry came in."""
+    """The odometry arrived."""
 
     odometry: OdometryState
     arrived: float
@@ -104,8 +104,8 @@ Outputs = tuple[Output, ...]
 class Goal(Struct, frozen=True, kw_only=True):
     """The bounds of a move: until `sensor` has come to `target_m` (NaN: none), and no longer than until `ends`.
 
-    `turn` is what a turn has to reach, `way` how far a bounded move goes, `approach` how it comes to rest at `target_m`
-    where its sensor looks along the way.
+    `turn` is the target of a turn, `way` the length of a bounded move. `approach` is the approach to `target_m`, if its
+    sensor looks along the way.
     """
 
     goal: str
@@ -122,7 +122,7 @@ class Goal(Struct, frozen=True, kw_only=True):
 
 
 class ActiveMotion(Struct, frozen=True, kw_only=True):
-    """The command that the base is held for, and its bounds. It moves with `power` at most, towards `angle_deg`.
+    """The command in progress, and its bounds. It moves with `power` at most, towards `angle_deg`.
 
     A twist moves with the powers in `sides` at most.
     """
@@ -135,9 +135,9 @@ class ActiveMotion(Struct, frozen=True, kw_only=True):
 
 
 class State(Struct, frozen=True, kw_only=True):
-    """Everything the kernel remembers. `clock` is the time of the last event.
+    """The whole state of the kernel. `clock` is the time of the last event.
 
-    `left`, `right` and `aside`, to the left, are the setpoint now, which is not zero since `begun`.
+    `left`, `right` and `aside`, to the left, are the current setpoint, which is not zero since `begun`.
     """
 
     settings: DriveSettings
@@ -158,28 +158,28 @@ class State(Struct, frozen=True, kw_only=True):
     scans: Mapping[str, Scan] = {}
     odometer: Odometer = Odometer()
     memory: ObstacleMemory = ObstacleMemory()
-    heading: HeadingView = heading_view.UNHEARD
-    odometry: OdometryView = odometry_view.UNHEARD
+    heading: HeadingView = heading_view.UNKNOWN
+    odometry: OdometryView = odometry_view.UNKNOWN
     limited: Limit = FREE
     blocked_since: float = nan
-    told_rule: str = ""
-    told_stop: bool = False
-    told_at: float = nan
+    reported_rule: str = ""
+    reported_stop: bool = False
+    reported_at: float = nan
 
     @property
     def sides(self) -> Sides:
-        """The setpoint now."""
+        """The current setpoint."""
         return self.left, self.right, self.aside
 
     def ahead_mps(self, now: float) -> float:
-        """Return how fast the base goes ahead or back: by the odometry, or by the setpoint where that is not known."""
+        """Return the speed of the base, ahead or back: by the odometry, or by the setpoint if that is unknown."""
         if self.odometry.rests or odometry_view.not_known(self.odometry, now):
             return abs(self.left + self.right) / 2 * self.settings.max_speed_mps
         return abs(self.odometry.speed_mps)
 
     @property
     def rests(self) -> bool:
-        """Return whether the base stands still, is not lent or offered, and its armed motors stand still, too."""
+        """Return whether the base stands still without a lease or offer, and its armed motors stand still, too."""
         motors = self.motors
         lent = self.lease is not None or bool(self.leases.offers)
         if motors is None or lent or any(self.sides):
@@ -188,17 +188,17 @@ class State(Struct, frozen=True, kw_only=True):
 
     @property
     def lease(self) -> Lease[ActiveMotion] | None:
-        """Return the holder of the base, and its purpose."""
+        """Return the lease of the base, with its motion."""
         return self.leases.live
 
 
 def motors_trouble(state: State, now: float) -> Reason | None:
-    """Return why the motors would not follow, or nothing."""
+    """Return why the motors would not follow, or None."""
     if state.motors is None:
         return Reason("unreachable", state.motors_gone)
     longest_s, at = state.settings.motors_max_age_s, state.motors_at
     if state.motors.rests and any(state.sides):
-        at = max(at, state.begun)  # they have been told to move since, and have so long to say that they do
+        at = max(at, state.begun)  # since then they have a setpoint, and this time to report that they move
     elif state.motors.rests:
         longest_s = max(longest_s, RESTS_S)
     if not now - at <= longest_s:

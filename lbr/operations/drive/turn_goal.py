@@ -1,4 +1,4 @@
-"""Turning on the spot to a target: how hard to push, when it is there, and when the base does not do as it should."""
+"""Turning on the spot to a target: the power, the arrival, and a base that does not follow."""
 
 from math import copysign, inf, isnan, nan, sqrt
 
@@ -12,30 +12,32 @@ from lbr.operations.drive.heading_view import HeadingView
 from lbr.operations.drive.settings import DriveSettings
 
 QUIET_DPS = 3.0
-"""Slower than this the base stands."""
+"""The rate of turn below which the base counts as standing."""
 RESTING_SHARE = 0.5
-"""A stop is aimed at by this share of the tolerance."""
+"""The tolerance for aiming a stop, as a share of the full tolerance."""
 SWING_SHARE = 0.5
-"""A base that passed its target turns more than it should by so much power: after each time it gets less of it."""
+"""The reduction of power after each overshoot: a base that passed its target turns more than it should."""
 MOVED_DEG = 1.0
 AWAY_DEG = 5.0
 COAST_S = 0.5
-"""It may get farther from its target by `AWAY_DEG`, and by what it turned already in this time."""
+"""The base may move away from its target by `AWAY_DEG`, plus its turn in this time."""
 PATIENCE_S = 0.3
-"""After this long without any turn the power of a correction begins to grow."""
+"""The time without any turn after which the power of a correction begins to grow."""
 GROWS_UNTIL = 0.8
 """The share of `turn_stuck_s` after which it has grown to that of a turn."""
 GOOD_TRIES, MOST_WIDER = 3, 4.0
-"""From the third correction on each widens the tolerance by half of what it was, up to this many times."""
+"""From the third correction on, each widens the tolerance by half of the original, up to this factor."""
 GOOD_SWINGS, WIDER_PER_SWING = 1, 2
-"""A base that passed its target more than once cannot be turned by as little as is missing: it widens it by more."""
+"""A base that overshoots more than once cannot turn by the small remainder: each overshoot widens the tolerance more.
+"""
 LEARNT_SHARE = 0.9
 
 
 class Push(Struct, frozen=True, kw_only=True):
-    """The wheels push to one side; for `idle_s`, pauses not counted, that moved it less than a degree from `mark_deg`.
+    """A push of the wheels to one side; for `idle_s`, without pauses, it moved the base less than a degree from
+    `mark_deg`.
 
-    For `still_s` the base stood, though by what was pushed of late it should turn.
+    For `still_s` the base stood, although recent power should have turned it.
     """
 
     sense: float
@@ -45,12 +47,12 @@ class Push(Struct, frozen=True, kw_only=True):
 
 
 class TurnGoal(Struct, frozen=True, kw_only=True):
-    """A turn that goes on: from `begun_deg` by `asked_deg`, in degrees that the body has turned, clockwise positive.
+    """A turn in progress: from `begun_deg` by `asked_deg`, in degrees that the body has turned, clockwise positive.
 
-    `quiet` is since when it stands at its target (NaN: it does not), `ends` when it should have got there. `flow_dps`
-    is how fast the power of late should turn the base, whether or not that shows yet; `farthest_deg` is how far from
-    its target it may get now, `swings` how often it passed it. `tries` counts how often it began to push from rest,
-    `least` is the power that a base which sticks was seen to need, `given` what it gets now.
+    `quiet` is the time since which it stands at its target (NaN: it does not), `ends` the time limit. `flow_dps` is the
+    rate of turn to expect from recent power. `farthest_deg` is the greatest allowed distance from the target now,
+    `swings` the number of overshoots. `tries` counts pushes from rest. `least` is the power that a sticking base was
+    seen to need, `given` its power now.
     """
 
     asked_deg: float
@@ -70,19 +72,19 @@ class TurnGoal(Struct, frozen=True, kw_only=True):
 
     @property
     def turned_deg(self) -> float:
-        """Return how far it has turned since it began."""
+        """Return the angle turned since its beginning."""
         return self.heading.turned_deg - self.begun_deg
 
     @property
     def left_deg(self) -> float:
-        """Return how far it has yet to turn."""
+        """Return the angle that remains."""
         return self.asked_deg - self.turned_deg
 
 
 def not_possible(
     command: TurnCommand | HeadingCommand, heading: HeadingView, settings: DriveSettings, now: float
 ) -> Reason | None:
-    """Return why the base cannot turn like this, or nothing."""
+    """Return why the base cannot turn like this, or None."""
     if why := heading_view.not_known(heading, settings, now):
         return Reason("stale_sensor", why)
     if isinstance(command, HeadingCommand) and isnan(heading.heading_deg):
@@ -91,7 +93,7 @@ def not_possible(
 
 
 def start(command: TurnCommand | HeadingCommand, heading: HeadingView, settings: DriveSettings, now: float) -> TurnGoal:
-    """Return a turn that begins now; to a heading it is the shorter way, by where the base looks at this moment."""
+    """Return a turn that begins now; to a heading it takes the shorter way from the current one."""
     asked_deg = (
         command.angle_deg
         if isinstance(command, TurnCommand)
@@ -111,7 +113,7 @@ def start(command: TurnCommand | HeadingCommand, heading: HeadingView, settings:
 
 
 def watch(turn: TurnGoal, heading: HeadingView, pushing: float, settings: DriveSettings) -> TurnGoal:
-    """Return the turn after a new attitude, while the left wheel is given `pushing`."""
+    """Return the turn after a new attitude, while the left wheel has the power `pushing`."""
     if heading.trouble or heading.epoch != turn.epoch:
         return replace(turn, heading=heading)
     elapsed_s = max(0.0, heading.seen - turn.heading.seen)
@@ -131,7 +133,7 @@ def watch(turn: TurnGoal, heading: HeadingView, pushing: float, settings: DriveS
 
 
 def driven(turn: TurnGoal, left_power: float, elapsed_s: float, settings: DriveSettings) -> TurnGoal:
-    """Return the turn after the left wheel was given this power for a while."""
+    """Return the turn after the left wheel had this power for a while."""
     share = min(1.0, elapsed_s / max(settings.turn_lag_s, 1e-3))
     flow_dps = turn.flow_dps + (left_power * settings.max_turn_dps - turn.flow_dps) * share
     from_rest = left_power != 0.0 and abs(turn.flow_dps) < QUIET_DPS / 2 and abs(turn.heading.rate_dps) <= QUIET_DPS
@@ -139,7 +141,7 @@ def driven(turn: TurnGoal, left_power: float, elapsed_s: float, settings: DriveS
 
 
 def fault(turn: TurnGoal, settings: DriveSettings, now: float) -> Reason | None:
-    """Return what is wrong with a turn, or nothing; comparisons are such that NaN is wrong."""
+    """Return the fault of a turn, or None; with NaN in a comparison it is a fault."""
     heading = turn.heading
     if why := heading_view.not_known(heading, settings, now, since=turn.ends - turn.allowed_s):
         return Reason("stale_sensor", why)
@@ -156,13 +158,12 @@ def fault(turn: TurnGoal, settings: DriveSettings, now: float) -> Reason | None:
 
 
 def is_over(turn: TurnGoal, settings: DriveSettings) -> bool:
-    """Return whether the base stands at its target, and has for a while."""
+    """Return whether the base has stood at its target for a while."""
     return turn.heading.seen - turn.quiet >= settings.turn_settle_s  # this way round, NaN is not over
 
 
 def power(turn: TurnGoal, settings: DriveSettings, now: float) -> float:
-    """Return how hard to push now, clockwise positive: less near the target, nothing where the base will come to
-    rest."""
+    """Return the power now, clockwise positive: less near the target, zero where the base will come to rest."""
     rate_dps, left_deg = turn.heading.rate_dps, turn.left_deg
     highest = min(settings.turn_power, settings.max_power)
     age_s = min(max(0.0, now - turn.heading.seen), settings.attitude_max_age_s)
@@ -175,20 +176,20 @@ def power(turn: TurnGoal, settings: DriveSettings, now: float) -> float:
     if min(rate_dps * copysign(1.0, left_deg), flow_dps * copysign(1.0, left_deg)) < -QUIET_DPS:
         return 0.0  # it comes to rest before it turns back, or it would swing
     if 0.0 < turn.given * copysign(1.0, left_deg) < turn.least and abs(rate_dps) <= QUIET_DPS:
-        return copysign(min(highest, turn.least), left_deg)  # less than that would move nothing
+        return copysign(min(highest, turn.least), left_deg)  # less would move nothing
     if not rest_deg * left_deg > 0.0 or abs(rest_deg) <= RESTING_SHARE * settings.turn_tolerance_deg:
-        return 0.0  # this way round, NaN is no power
+        return 0.0  # this way round, NaN gives zero
     wished = sqrt(2.0 * settings.turn_brake_dps2 * abs(rest_deg)) / settings.max_turn_dps
     return copysign(min(highest, max(wished, _least(turn, settings))), left_deg)
 
 
 def words(turn: TurnGoal) -> str:
-    """Say how far it has turned of what was asked."""
+    """Return a sentence about the angle turned."""
     return f"turned {turn.turned_deg:.1f} of {round(turn.asked_deg, 1):g} degrees"
 
 
 def ended(turn: TurnGoal, elapsed_s: float) -> str:
-    """Say how a turn that is over went."""
+    """Return a sentence about the end of a turn."""
     past_deg = -turn.left_deg if turn.asked_deg >= 0.0 else turn.left_deg
     how = "too far" if past_deg > 0.0 else "short"
     return f"{words(turn)} in {elapsed_s:.1f} s, {abs(past_deg):.1f} {how}"
@@ -213,7 +214,7 @@ def _sticks(push: Push | None) -> bool:
 
 
 def _tolerance_deg(turn: TurnGoal, settings: DriveSettings) -> float:
-    """Return how near is near enough: less so for a base that cannot be turned by so little."""
+    """Return the tolerance, wider for a base that cannot turn by small angles."""
     steps = max(0, turn.tries - GOOD_TRIES, WIDER_PER_SWING * (turn.swings - GOOD_SWINGS))
     wider = min(MOST_WIDER, 1.0 + steps / 2)
     return settings.turn_tolerance_deg * wider
@@ -233,7 +234,7 @@ def _without_effect(push: Push, heading: HeadingView, settings: DriveSettings) -
 
 
 def _least(turn: TurnGoal, settings: DriveSettings) -> float:
-    """Return the least power that turns the base; more of it when that does not."""
+    """Return the least power that turns the base, growing while it does not."""
     least = max(settings.turn_min_power, turn.least)
     still_s = 0.0 if turn.push is None else turn.push.still_s
     more = (still_s - PATIENCE_S) / max(GROWS_UNTIL * settings.turn_stuck_s - PATIENCE_S, 0.1)

@@ -1,4 +1,4 @@
-"""From what is held to the next setpoint: mixing, then rules, then slew, then the limit."""
+"""From the lease to the next setpoint: mixing, then rules, then slew, then the limit."""
 
 from math import isnan, nan
 
@@ -14,12 +14,12 @@ from lbr.operations.drive.rules import FREE, Limit
 from lbr.operations.drive.state import Outputs, State
 
 LONGEST_STEP_S = 0.1
-"""Setpoints older than this move nothing, so no longer step counts."""
-TELL_AGAIN_S = 1.0
+"""The longest step that counts: older setpoints move nothing."""
+REPORT_AGAIN_S = 1.0
 
 
 def next_wheels(state: State, now: float) -> State:
-    """Return the state with the wheels' next powers, and the base's own estimate of how far it came meanwhile."""
+    """Return the state with the wheels' next powers, and the base's own estimate of its way meanwhile."""
     elapsed_s = min(max(0.0, now - state.ticked), LONGEST_STEP_S)  # this way round, NaN is no time
     settings = state.settings
     odometer = state.odometer.driven(state.left, state.right, elapsed_s, settings.max_speed_mps, state.aside)
@@ -28,7 +28,7 @@ def next_wheels(state: State, now: float) -> State:
     lease = state.lease
     if lease is None:
         still = replace(state, left=0.0, right=0.0, aside=0.0)
-        return replace(still, limited=FREE, blocked_since=nan, told_rule="", told_stop=False)
+        return replace(still, limited=FREE, blocked_since=nan, reported_rule="", reported_stop=False)
     active = lease.motion
     goal = goals.driven(active.goal, state, elapsed_s, now)
     asked = active.sides
@@ -50,7 +50,7 @@ def next_wheels(state: State, now: float) -> State:
 
 
 def setpoint_of(state: State, lease: str) -> MotorSetpoint:
-    """Return what the motors are to do now: by name where they are others than `left` and `right`."""
+    """Return the setpoint of the motors, by name if they are others than `left` and `right`."""
     base = state.base
     motors = {} if base.two else dict(zip(base.motors, base.powers(*state.sides), strict=True))
     moving_s = max(0.0, state.ticked - state.begun) if any(state.sides) else 0.0
@@ -58,27 +58,29 @@ def setpoint_of(state: State, lease: str) -> MotorSetpoint:
 
 
 def slew(sides: Sides, target: Sides, step: float) -> Sides:
-    """Go towards the target: slower at once, faster by `step` at most and all alike; a new sense begins at zero."""
+    """Go towards the target: slower at once, faster by `step` at most and all alike; a reversal passes through zero."""
     goals = [0.0 if side * goal < 0.0 else goal for side, goal in zip(sides, target, strict=True)]
-    kept = [goal if abs(goal) < abs(side) else side for side, goal in zip(sides, goals, strict=True)]
-    growth = max(abs(goal - side) for side, goal in zip(kept, goals, strict=True))
+    slowed = [goal if abs(goal) < abs(side) else side for side, goal in zip(sides, goals, strict=True)]
+    growth = max(abs(goal - side) for side, goal in zip(slowed, goals, strict=True))
     share = step / growth if growth > step else 1.0
-    left, right, aside = (side + (goal - side) * share for side, goal in zip(kept, goals, strict=True))
+    left, right, aside = (side + (goal - side) * share for side, goal in zip(slowed, goals, strict=True))
     return left, right, aside
 
 
 def tell(state: State, now: float) -> tuple[State, Outputs]:
-    """Say that a rule began or ceased to limit or stop the base, without a flood when it is on the edge."""
+    """Report that a rule began or ceased to limit or stop the base, with a limit on the rate of reports."""
     limited = state.limited
     stops = limited.direction is not None and not limited.scale > 0.0
     key = f"{'stop' if stops else 'slow'} {limited.direction}" if limited.direction else ""
-    newly_stopped = stops and not state.told_stop
-    if key == state.told_rule or not (state.told_rule == "" or newly_stopped or now - state.told_at >= TELL_AGAIN_S):
+    newly_stopped = stops and not state.reported_stop
+    if key == state.reported_rule or not (
+        state.reported_rule == "" or newly_stopped or now - state.reported_at >= REPORT_AGAIN_S
+    ):
         return state, ()
     level: Level = "warning" if stops else "info"
     code = limited.code if limited.direction else ""
     change = Happened(kind="rule", text=_sentence(limited, stops=stops), level=level, code=code)
-    return replace(state, told_rule=key, told_stop=stops, told_at=now), (change,)
+    return replace(state, reported_rule=key, reported_stop=stops, reported_at=now), (change,)
 
 
 def _sentence(limited: Limit, *, stops: bool) -> str:

@@ -1,4 +1,4 @@
-"""The chain a motion command passes before it moves a joint; the first link that objects refuses it."""
+"""The chain of checks before a motion command moves a joint; the first objection refuses it."""
 
 from collections.abc import Callable, Collection, Iterator
 from itertools import islice
@@ -16,7 +16,7 @@ from lbr.operations.joints.move import Move
 from lbr.operations.joints.request import JointsRequest, asked, empty, named, strengths
 from lbr.operations.joints.state import NOT_ADOPTED, Command, State, joint_trouble, servos_trouble
 
-MOST_TOLD = 3
+MOST_NAMED = 3
 LONGEST_S = 60.0
 LONGEST_STORED_S = 600.0
 TORQUE_FIRST = "torque on first (/torque/on)"
@@ -47,22 +47,22 @@ def asked_of(state: State, event: Command, now: float) -> Ask[Move]:
 
 
 def command_of(ask: Ask[Move]) -> JointsCommand:
-    """Return the motion that is asked for."""
+    """Return the requested motion."""
     assert isinstance(ask.request.content, JointsRequest)
     return ask.request.content.command
 
 
 def refusal(state: State, ask: Ask[Move]) -> Reason | None:
-    """Return why a command is refused, or nothing; what is renewed was looked at before."""
+    """Return why a command is refused, or None; a renewal passes fewer checks."""
     command = command_of(ask)
     links = RENEWAL if ask.wants == "renewal" else CHAIN
     return next((why for link in links if (why := link(state, command, ask))), None)
 
 
 def _form(state: State, command: JointsCommand, ask: Ask[Move]) -> Reason | None:
-    """It says what is to move where, in joints that there are, within their limits, with numbers that are some."""
+    """Check the content: something must move, all joints must exist, and all numbers be finite and within limits."""
     if empty(command) and ask.request.lease:
-        return None  # its lease is dead, as the next link says
+        return None  # its lease is dead; the next link refuses it
     if command.stored is not None:
         return _stored_form(state, command, command.stored)
     if not (command.positions or command.append or any(frame.positions for frame in command.frames)):
@@ -71,13 +71,13 @@ def _form(state: State, command: JointsCommand, ask: Ask[Move]) -> Reason | None
 
 
 def _leases(state: State, command: JointsCommand, ask: Ask[Move]) -> Reason | None:
-    """One holder, and in time."""
+    """Check that one sender holds the joints, and that the command is in time."""
     del state, command
     return rules.form(ask) or rules.holder(ask)
 
 
 def _busy(state: State, command: JointsCommand, ask: Ask[Move]) -> Reason | None:
-    """While the controller plays, nothing else moves; a takeover breaks that off."""
+    """Refuse other motion while the controller plays, except for a take-over, which ends that."""
     del command
     lease, request = state.leases.live, ask.request
     foreign = lease is not None and request.lease != lease.id
@@ -88,7 +88,7 @@ def _busy(state: State, command: JointsCommand, ask: Ask[Move]) -> Reason | None
 
 
 def _order(state: State, command: JointsCommand, ask: Ask[Move]) -> Reason | None:
-    """Refuse to append to nothing, or more than can be planned in time."""
+    """Refuse to append without a motion, or more than can be planned in time."""
     lease = state.leases.live
     if not command.append:
         return None
@@ -102,13 +102,13 @@ def _order(state: State, command: JointsCommand, ask: Ask[Move]) -> Reason | Non
 
 
 def _rest(state: State, command: JointsCommand, ask: Ask[Move]) -> Reason | None:
-    """Nothing moves while the emergency stop is latched, or no servo would follow."""
+    """Refuse motion while the emergency stop is latched, or no servo would follow."""
     del command
     return rules.at_rest(ask, servos_trouble(state, ask.now))
 
 
 def _able(state: State, command: JointsCommand, ask: Ask[Move]) -> Reason | None:
-    """Every joint of it has torque, is measured, and is well."""
+    """Check that every joint of it has torque, is measured, and has no fault."""
     if command.stored is not None or command.torque is not None or command.torques:
         return _at_once(state, command, ask.now)
     return _several(_unable(state, command, ask.now))
@@ -156,7 +156,7 @@ def _numbers(command: JointsCommand) -> Reason | None:
     if command.duration_s is not None:
         times_s.append(command.duration_s)
     for time_s in times_s:
-        if not 0.0 < time_s <= LONGEST_S:  # this way round, NaN is none
+        if not 0.0 < time_s <= LONGEST_S:  # this way round, NaN is refused
             return Reason("bad_value", f"duration_s {time_s:g} is outside 0 to {LONGEST_S:g}")
     for strength in (*([] if command.torque is None else [command.torque]), *command.torques.values()):
         if not 0.0 < strength <= 1.0:
@@ -169,7 +169,7 @@ def _numbers(command: JointsCommand) -> Reason | None:
 
 
 def _wrong(state: State, command: JointsCommand) -> Iterator[Reason]:
-    """Say what is wrong with each joint that is named; a mirror's joint has limits of its own."""
+    """Yield the errors of the named joints; the mirrored joint has limits of its own."""
     body, reasons = state.body, set[Reason]()
     for positions in (command.positions, *(frame.positions for frame in command.frames)):
         for name, angle_rad in positions.items():
@@ -195,11 +195,11 @@ def _unable(state: State, command: JointsCommand, now: float, strong: Collection
     yield from (why for why in troubles.values() if why)
     idle = [name for name in without if not troubles[name]]
     if idle:
-        some = ", ".join(idle[:MOST_TOLD]) + (f" and {len(idle) - MOST_TOLD} more" if len(idle) > MOST_TOLD else "")
+        some = ", ".join(idle[:MOST_NAMED]) + (f" and {len(idle) - MOST_NAMED} more" if len(idle) > MOST_NAMED else "")
         yield Reason("no_torque", f"{some} {'has' if len(idle) == 1 else 'have'} no torque: {TORQUE_FIRST}")
 
 
 def _several(whys: Iterator[Reason]) -> Reason | None:
-    """Say the first few of what is wrong; the code is that of the first."""
-    told = list(islice(whys, MOST_TOLD))
-    return Reason(told[0].code, "; ".join(why.text for why in told)) if told else None
+    """Return the first few errors as one reason; the code is that of the first."""
+    reasons = list(islice(whys, MOST_NAMED))
+    return Reason(reasons[0].code, "; ".join(why.text for why in reasons)) if reasons else None

@@ -1,4 +1,4 @@
-"""The joints of the rows: their servos' angles, their limits, and which of them mirror one another."""
+"""The joints of the rows: their servos' angles, their limits, and their partners in a mirror."""
 
 from collections.abc import Mapping
 from math import degrees, isfinite
@@ -10,7 +10,7 @@ from lbr.messages.joints import Joint
 from lbr.names import did_you_mean
 
 TURNING_OVER = ("_yaw", "_roll")
-"""A joint that turns about x or z turns the other way in a mirror, also in the middle of the body."""
+"""The names of joints that turn about x or z: in a mirror they turn the other way, even in the middle of the body."""
 LONGEST_NAME = 40
 
 
@@ -30,16 +30,16 @@ class Body(Struct, frozen=True):
         return (servo_rad - joint.zero_rad) * joint.sign
 
     def within(self, name: str, joint_rad: float) -> float:
-        """Return the angle, or the limit that it is beyond."""
+        """Return the angle, limited to the joint's range."""
         joint = self.joints[name]
         return min(max(joint_rad, joint.lower_rad), joint.upper_rad)
 
     def beyond_rad(self, name: str, joint_rad: float) -> float:
-        """Return how far an angle is beyond the limits of its joint; 0 within them."""
+        """Return the distance of an angle beyond the limits of its joint; 0 within them."""
         return abs(joint_rad - self.within(name, joint_rad))
 
     def refusal(self, name: str, joint_rad: float) -> Reason | None:
-        """Return why a joint cannot be given an angle, or nothing."""
+        """Return why a joint cannot have an angle, or None."""
         if why := self.unknown(name):
             return why
         if not isfinite(joint_rad):
@@ -52,24 +52,24 @@ class Body(Struct, frozen=True):
         return Reason("limit", outside)
 
     def unknown(self, name: str) -> Reason | None:
-        """Return that there is no such joint, and which may be meant; or nothing."""
+        """Return that there is no such joint, with a suggestion; or None."""
         if name in self.joints:
             return None
         shown = name[:LONGEST_NAME]
         return Reason("unknown_name", f"there is no joint {shown!r}; {did_you_mean(shown, self.joints)}")
 
     def partner(self, name: str) -> str:
-        """Return which joint a mirror shows this one as; nothing if it has none."""
+        """Return the joint's partner in a mirror, or an empty string."""
         side = self.joints[name].side
         if side == "centre":
             return name
         other = "right" if side == "left" else "left"
         partner = name.replace(side, other, 1)
-        found = self.joints.get(partner)
-        return partner if found is not None and found.side == other else ""
+        mirror_joint = self.joints.get(partner)
+        return partner if mirror_joint is not None and mirror_joint.side == other else ""
 
     def mirrored(self, positions: Mapping[str, float]) -> dict[str, float]:
-        """Return a pose as a mirror shows it; every joint of it must be known and have a partner."""
+        """Return a pose in a mirror; every joint of it must be known and have a partner."""
         return {self.partner(name): self._turned_over(name, angle) for name, angle in positions.items()}
 
     def _turned_over(self, name: str, joint_rad: float) -> float:

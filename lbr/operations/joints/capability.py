@@ -1,4 +1,4 @@
-"""The process around the joints kernel: feeds it what arrives and the time, and publishes what it says."""
+"""The process around the joints kernel: it passes arrivals and the time to the kernel, and publishes the outputs."""
 
 from functools import partial
 from math import inf
@@ -30,14 +30,14 @@ from lbr.operations.joints.state import (
     servos_trouble,
 )
 from lbr.operations.joints.view import joints_state
-from lbr.operations.lender import Answers, LeasingCapability, marked, new_goal, said_by
+from lbr.operations.lender import Answers, LeasingCapability, marked, new_goal, origin_of
 from lbr.operations.statistics import Beat
 
 STATE_PERIOD_S = 0.1
 REST_HZ = 10.0
-"""Setpoints a second while the servos rest and nobody moves them: their driver believes one for 0.3 s then."""
+"""The setpoints a second while the servos rest without a holder: their driver then trusts one for 0.3 s."""
 MOVING_PERIOD_S = 0.045
-"""While joints move, their state is told more than 20 times a second, also of servos that are read less often."""
+"""The greatest period of the state while joints move, even if their servos are read less often."""
 RECOVER_S = 2.0
 NOT_HELD = "the servo driver has not said yet that it holds"
 
@@ -54,13 +54,13 @@ class Joints(LeasingCapability[JointsSettings, State]):
         self.begin()
 
     def open(self) -> None:
-        """Begin without a holder of the joints, and silent until it is known what the servos do."""
+        """Start without a holder of the joints, and without setpoints until the servos' state is known."""
         self.begin()
         self.listen()
         self.report()
 
     def step(self) -> None:
-        """Take in what arrived; at the loop's rate have time go by, slowly while nothing moves."""
+        """Process arrived messages, and do a round when it is due, slowly while nothing moves."""
         self.listen()
         rate_hz = min(REST_HZ, self.ctx.settings.rate_hz) if self._rests() else self.ctx.settings.rate_hz
         if rate_hz != self.rate_hz:
@@ -69,14 +69,14 @@ class Joints(LeasingCapability[JointsSettings, State]):
         super().step()
 
     def close(self) -> None:
-        """Hold every joint and say that their mover is gone; end what was going on."""
+        """Publish a hold of every joint with a lost mover; end the current motion."""
         super().close()
         self._state = replace(self._state, lost=True)
         if self._state.adopted:
             self.ctx.publish("setpoint", marked(setpoint(self._state).message))
 
     def begin(self) -> None:
-        """Begin with nothing lent."""
+        """Start without a lease."""
         self.rate_hz = self.ctx.settings.rate_hz
         super().begin()
         self._sweeps = Beat(self.rate_hz)
@@ -85,27 +85,27 @@ class Joints(LeasingCapability[JointsSettings, State]):
         self._reported_at = -inf
 
     def first(self) -> State:
-        """Return joints that were not moved yet."""
+        """Return the state of joints that were not moved yet."""
         return first_state(self.ctx.settings, body(self.ctx.rows(Joint)), self.ctx.clock())
 
     def decide(self, event: Event, now: float) -> tuple[State, Outputs]:
-        """Return what the kernel makes of an event."""
+        """Return the kernel's decision on an event."""
         return decide(self._state, event, now)
 
     def driver_seen(self, received: Received) -> ServosSeen:
-        """Return what the servo driver says."""
+        """Return the event for a state of the servo driver."""
         return ServosSeen(servos=received.message, arrived=received.arrived)
 
     def driver_lost(self, names: str) -> ServosLost:
-        """Return that the servo driver is gone."""
+        """Return the event for a lost servo driver."""
         return ServosLost(reason=f"the servo driver ({names}) is gone")
 
     def holder_gone(self, holder: str) -> HolderGone:
-        """Return that the process is gone that moved the joints; those of others stay as they are."""
+        """Return the event for a holder whose process is gone; motions of others continue."""
         return HolderGone(source=holder)
 
     def lend(self, call: Call) -> None:
-        """Decide a command now; what the servos are to recover from is for their driver to say."""
+        """Decide a command now; a recovery is forwarded to the servo driver."""
         match call.name:
             case "command":
                 self.happen(_motion(call, call.message), call)
@@ -119,7 +119,7 @@ class Joints(LeasingCapability[JointsSettings, State]):
                 super().lend(call)
 
     def not_at_rest(self) -> str:
-        """Return that something may still move, by what the driver says, if it is there."""
+        """Return a sentence if something may still move by the driver's state, or an empty string."""
         servos = self._state.servos
         if self._state.move is not None:
             return NOT_HELD
@@ -127,12 +127,12 @@ class Joints(LeasingCapability[JointsSettings, State]):
         return "" if held else NOT_HELD
 
     def trouble(self) -> Reason | None:
-        """Return why no servo would follow, or that it is unknown yet which of them have torque; or nothing."""
+        """Return why no servo would follow, or that the torque of servos is unknown yet; or None."""
         why = servos_trouble(self._state, self.ctx.clock())
         return why or (None if self._state.adopted else NOT_ADOPTED)
 
     def _rests(self) -> bool:
-        """Return whether the driver needs no setpoint soon: its servos rest, and are to do nothing else."""
+        """Return whether the driver needs no setpoint soon: its servos rest, and have no new order."""
         state, before = self._state, self._ordered
         self._ordered = state.on, state.goals, state.strength, state.lost, state.halt
         moved = state.leases.live or state.leases.offers or state.feet or state.leases.estop
@@ -149,7 +149,7 @@ class Joints(LeasingCapability[JointsSettings, State]):
         self.wait_for(call, "the servo driver", ask, RECOVER_S, partial(_pass_on, call))
 
     def report(self) -> None:
-        """Tell how the joints are: at each sweep, as fast as the loop goes; and whenever something else changed."""
+        """Publish the state: at each sweep, as fast as the loop goes; and whenever something else changed."""
         now = self.ctx.clock()
         state, last = self._state, self._reported
         period_s = STATE_PERIOD_S if state.leases.live is None else MOVING_PERIOD_S
@@ -166,7 +166,7 @@ class Joints(LeasingCapability[JointsSettings, State]):
 
 
 def _motion(call: Call, command: JointsCommand) -> Command:
-    return Command(command=command, new_goal=new_goal(), **said_by(call))
+    return Command(command=command, new_goal=new_goal(), **origin_of(call))
 
 
 def _torque(call: Call) -> Torque:
@@ -180,7 +180,7 @@ def _torque(call: Call) -> Torque:
 
 
 def _pass_on(call: Call, answers: Answers) -> None:
-    """Answer with what the servo driver said."""
+    """Reply with the servo driver's answers."""
     replies = [answer for answer in (answers or {}).values() if isinstance(answer, CommandReply)]
     if not replies or len(replies) < len(answers or ()):
         call.refuse("the servo driver did not answer; is it running?", "unreachable")

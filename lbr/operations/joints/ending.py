@@ -1,4 +1,4 @@
-"""The end of a motion of the joints: by itself, by a stop, by a fault; and the messages about it."""
+"""The end of a motion of the joints, by itself, by a stop or by a fault, and the messages about it."""
 
 from msgspec.structs import replace
 
@@ -14,7 +14,7 @@ Decided = tuple[LeaseTable[Move], ending.Said[Move]]
 
 
 def end_what_is_over(state: State, now: float) -> Decision:
-    """End what is over at this time; comparisons are such that NaN ends it."""
+    """End the motion if it is over at this time; with NaN in a comparison it is over."""
     held, trouble = state.leases, servos_trouble(state, now)
     decided = ending.drop_offers(held, held.offers, "fault", trouble) if trouble else ending.lapse(held, now)
     state, ended = take(state, decided, now)
@@ -26,7 +26,7 @@ def end_what_is_over(state: State, now: float) -> Decision:
 
 
 def still(state: State, decided: Decided, now: float, stop: Stop | None = None) -> Decision:
-    """Take in the decision on the holder of the joints, and hold all of them, whether they had a holder or not."""
+    """Apply the decision on the holder of the joints, and hold all of them, whether they had a holder or not."""
     if state.move is not None:
         return take(state, decided, now, stop, at_once=stop is not None and stop.at_once)
     if stop is not None and not stop.at_once and (goes_on := feet.again(state, stop)) is not None:
@@ -36,9 +36,9 @@ def still(state: State, decided: Decided, now: float, stop: Stop | None = None) 
 
 
 def take(state: State, decided: Decided, now: float, stop: Stop | None = None, *, at_once: bool = False) -> Decision:
-    """Take in who has the joints now; when they have no holder any more, hold them, and say how each motion ended.
+    """Apply a decision on the leases; without a holder hold the joints, and report how each motion ended.
 
-    A motion that a `stop` or a lapse ended steps to its feet first, if it knows where, and is not to be held `at_once`.
+    A motion ended by a `stop` or a lapse first steps to its feet, if it has a stable pose and need not hold `at_once`.
     """
     held, said = decided
     outputs: Outputs = ()
@@ -57,28 +57,27 @@ def take(state: State, decided: Decided, now: float, stop: Stop | None = None, *
 
 
 def setpoint(state: State) -> Outputs:
-    """Return what the servos are to do now, if anything is known of them."""
+    """Return the setpoint of the servos, if their state is known."""
     return (moving.setpoint(state),) if state.adopted else ()
 
 
 def _unremarkable(ended: Ended[Move]) -> bool:
-    """Return whether joints that joined just arrived: a sender that moves them in small steps would flood people with
-    that."""
+    """Return whether joined joints just arrived: reports of many small steps would be a flood."""
     move = ended.lease.motion
     return ended.how == "reached" and move.trajectory is None and move.stored is None and not ended.why.note
 
 
 def _let_be(state: State, ended: Ended[Move], now: float, stop: Stop | None, *, at_once: bool) -> State:
-    """Hold every joint: at its goal if that was reached, else where it was measured, or where it stands. A lease that
-    lapsed lost its mover."""
+    """Hold every joint: at its goal if that was reached, else where it was measured, or standing. After a lapse the
+    mover counts as lost."""
     if ended.how in {"stopped", "lapsed"} and not at_once:
         lease, lapsed = ended.lease, ended.how == "lapsed"
         stepping = feet.begin(state, lease.motion, lease.id, stop, now, lost=lapsed)
         if stepping is not None:
             return replace(stepping, leases=replace(state.leases, live=None))
-    lost, told = state.lost or ended.how == "lapsed", ended.lease.motion.stored
+    lost, recording = state.lost or ended.how == "lapsed", ended.lease.motion.stored
     if ended.how == "reached":
-        frozen = state if told is None else stored.after(state, told, now)
+        frozen = state if recording is None else stored.after(state, recording, now)
     else:
         frozen = moving.freeze(state)
     return replace(frozen, leases=replace(state.leases, live=None), lost=lost)

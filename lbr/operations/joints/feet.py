@@ -1,7 +1,7 @@
-"""To its feet: what was stopped in mid-step goes on to the nearest place where the robot stands. Pure.
+"""Stepping to the feet: a motion stopped in mid-step continues to the nearest pose in which the robot stands. Pure.
 
-It is this process that does so, without a holder: a driver that hears nothing of it any more holds at once. A motion
-without a stable key frame, and anything but a motion, is held at once.
+This process does so, without a holder: a driver without its setpoints holds at once. A motion without a stable key
+frame, and anything but a motion, is held at once.
 """
 
 from math import ceil
@@ -19,19 +19,19 @@ from lbr.operations.joints.state import State, age_s, position_rad, servos_troub
 from lbr.operations.joints.trajectory import Trajectory
 
 LONGEST_S = 0.8
-"""A robot is to stand this long after a stop; it is promised."""
+"""The promised limit: a robot stands this long after a stop."""
 STRAIGHT_S = 0.3
-"""A straight way to a pose takes this long at least: in simulation 0.1 to 0.8 s left a robot on its feet alike."""
+"""The least time of a straight way to a pose: in simulation 0.1 to 0.8 s left a robot on its feet alike."""
 SMOOTHEST = 1.5
-"""The time of a smooth way by that of a straight one at the same greatest speed."""
+"""The time of a smooth way, as a multiple of a straight one at the same greatest speed."""
 AGAIN_S = 0.1
-"""One stop comes by several ways within this time, all of them sent at once; people do not press so fast twice."""
+"""The time within which one stop arrives by several ways, all sent at once; people do not press again so fast."""
 FOLLOWED_S = 0.3
 MEASURED_S = 0.3
 
 
 def begin(state: State, move: Move, lease: str, stop: Stop | None, now: float, *, lost: bool) -> State | None:
-    """Return the state in which it steps to its feet; None if it has no place for that within its time."""
+    """Return the state in which the robot steps to its feet; None if no stable pose is within its time."""
     if servos_trouble(state, now) or not state.adopted:
         return None
     feet = ToFeet(lease=lease, begun=now, until=now + LONGEST_S, lost=lost)
@@ -42,7 +42,7 @@ def begin(state: State, move: Move, lease: str, stop: Stop | None, now: float, *
             return None
         pose = move.stored.motion.pose
         goals = dict.fromkeys(state.on)
-        held = replace(state, goals=goals, halt=state.halt + 1, ticked=now)  # this has the driver break it off
+        held = replace(state, goals=goals, halt=state.halt + 1, ticked=now)  # makes the driver end it
         return replace(held, feet=replace(feet, pose=pose, names=tuple(pose)), lost=False)
     way = _way_on(state, move)
     if way is None or any(fault(state, name, now) for name in way.knots):
@@ -55,8 +55,7 @@ def begin(state: State, move: Move, lease: str, stop: Stop | None, now: float, *
 
 
 def again(state: State, stop: Stop) -> State | None:
-    """Return the state after one more stop, if that is the same one by another way, or the first; None: hold at
-    once."""
+    """Return the state after a further stop, if it is the first, or the same by another way; None: hold at once."""
     feet = state.feet
     if feet is None:
         return None
@@ -72,7 +71,7 @@ def again(state: State, stop: Stop) -> State | None:
 
 
 def advance(state: State, now: float) -> State:
-    """Return the state a little nearer to its feet; or held, once it stands or something came between."""
+    """Return the state a step nearer to its feet; held, once it stands or something interferes."""
     feet = state.feet
     if feet is None:
         return state
@@ -91,7 +90,7 @@ def advance(state: State, now: float) -> State:
 
 
 def reply(state: State, now: float) -> Reply:
-    """Answer a stop: the joints hold, or step to their feet first."""
+    """Return the reply to a stop: the joints hold, or step to their feet first."""
     if state.feet is None:
         return Reply(message=CommandReply(accepted=True, reason="stopped"))
     within_s = max(1, ceil(round(left_s(state.feet, now) * 10, 3))) / 10
@@ -100,7 +99,7 @@ def reply(state: State, now: float) -> Reply:
 
 
 def left_s(feet: ToFeet, now: float) -> float:
-    """Return how long it may still take."""
+    """Return the longest remaining time."""
     if feet.trajectory is None:
         return feet.until - now
     return min(feet.until - now, feet.trajectory.duration_s - feet.elapsed_s)
@@ -111,8 +110,7 @@ def _way(stop: Stop) -> tuple[str, str]:
 
 
 def _way_on(state: State, move: Move) -> Trajectory | None:
-    """Return the way on to the nearest stable frame ahead, or else back to the last one behind, if it is short
-    enough."""
+    """Return the way to the nearest stable frame ahead, or else back to the last one behind, if short enough."""
     way = move.trajectory
     if way is None or not way.stable:
         return None
@@ -142,7 +140,7 @@ def _direct(
     most_s: float,
     speeds: dict[str, float],
 ) -> Trajectory | None:
-    """Return the straight way to a pose, if it takes no longer."""
+    """Return the straight way to a pose, if it is short enough."""
     longest_s = max((SMOOTHEST * abs(pose[name] - start[name]) / limits_rps[name] for name in pose), default=0.0)
     frame = KeyFrame(positions=pose, duration_s=max(STRAIGHT_S, longest_s))
     planned = trajectory.plan(start, (frame,), limits_rps, speeds_rps=speeds)
@@ -150,7 +148,7 @@ def _direct(
 
 
 def _straight(state: State, feet: ToFeet, now: float) -> State:
-    """Go straight to the pose, once it was measured where the joints are that the controller has moved."""
+    """Go straight to the pose, once joints moved by the controller were measured."""
     if waits(state):
         return state
     start = {}
@@ -170,7 +168,7 @@ def _straight(state: State, feet: ToFeet, now: float) -> State:
 
 
 def _ends(state: State, feet: ToFeet, now: float) -> Reason | None:
-    """Return why it does not go on, or nothing."""
+    """Return why it ends early, or None."""
     if why := servos_trouble(state, now):
         return why
     if feet.trajectory is None:

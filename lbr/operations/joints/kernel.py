@@ -1,4 +1,4 @@
-"""The decisions of joints operation, as a pure function of what is known, what happened and when."""
+"""The decisions of joints operation, as a pure function of state, event and time."""
 
 from math import nan
 
@@ -28,10 +28,9 @@ from lbr.operations.joints.state import (
 
 
 def decide(state: State, event: Event, now: float) -> Decision:
-    """Return the state after an event and what is to be said; whatever is over by `now` ends before the event
-    counts."""
+    """Return the state after an event, and the outputs; what is over by `now` ends before the event counts."""
     state, ended = end_what_is_over(state, now) if now >= state.clock else _lose_time(state, now)
-    state, said = _handle(servos.unlearnt(replace(state, clock=now), now), event, now)
+    state, said = _handle(servos.expired(replace(state, clock=now), now), event, now)
     return state, ended + said
 
 
@@ -59,7 +58,7 @@ def _handle(state: State, event: Event, now: float) -> Decision:
 
 
 def _command(state: State, event: Command, now: float) -> Decision:
-    """Refuse a command, or do what it wants."""
+    """Refuse a command, or do it."""
     ask = asked_of(state, event, now)
     if why := refusal(state, ask):
         held, refused = leasing.refuse(ask, why)
@@ -79,7 +78,7 @@ def _command(state: State, event: Command, now: float) -> Decision:
 
 
 def _begin(state: State, event: Command, ask: Ask[Move], now: float) -> Decision:
-    """Hold the joints from now on; what confirms an offer goes on with the goal that was offered."""
+    """Grant the joints; the confirmation of an offer keeps the offered goal."""
     idle_s, state = _idle_s(state, now), moving.advance(state, now)
     state = moving.interrupted(moving.held_again(state))
     state, torque_events = _strengthened(state, event, ask, now)
@@ -91,8 +90,7 @@ def _begin(state: State, event: Command, ask: Ask[Move], now: float) -> Decision
 
 
 def _change(state: State, event: Command, ask: Ask[Move], now: float) -> Decision:
-    """Move otherwise under the same lease, from the next setpoint on; what is appended or joins goes on under the same
-    goal."""
+    """Change the motion under the same lease, from the next setpoint on; appended or joined motion keeps its goal."""
     idle_s, state = _idle_s(state, now), moving.advance(state, now)
     state, torque_events = _strengthened(state, event, ask, now)
     command, move = command_of(ask), state.move
@@ -126,14 +124,14 @@ def _strengthened(state: State, event: Command, ask: Ask[Move], now: float) -> D
 
 
 def _underway(state: State, ask: Ask[Move]) -> State:
-    """Return the state in which what joined has begun to move with this setpoint, not the next."""
+    """Return the state in which joined joints move with this setpoint, not the next."""
     if state.move is None or not command_of(ask).join:
         return state
     return replace(state, goals={**state.goals, **state.move.positions()})
 
 
 def _idle_s(state: State, now: float) -> float:
-    """Return how long ago it was last worked out where the joints are to be."""
+    """Return the time since the joints' positions were last computed."""
     longest_s = moving.LONGEST_STEP_S if state.leases.live else 1.0 / state.settings.rate_hz  # at rest rounds are rare
     return 0.0 if waits(state) else min(max(0.0, now - state.ticked), longest_s)
 
@@ -146,7 +144,7 @@ def _yes(state: State, ask: Ask[Move]) -> Reply:
 
 
 def _holder_gone(state: State, event: HolderGone, now: float) -> Decision:
-    """The mover is lost; what it was offered it will not confirm."""
+    """End the motion of a lost holder; it can no longer confirm an offer."""
     lease, why = state.leases.live, Reason("holder_gone", f"the process of {event.source} is gone")
     if lease is None or lease.source != event.source:
         return state, ()
@@ -154,7 +152,7 @@ def _holder_gone(state: State, event: HolderGone, now: float) -> Decision:
 
 
 def _lose_time(state: State, now: float) -> Decision:
-    """Stop and forget whatever has a date: none of it means anything on a clock that went back."""
+    """Stop, and forget every dated value: dates are meaningless after the clock went back."""
     gone = f"{ending.BACK}; the servo driver was not heard since"
     state, said = still(state, ending.lose_time(state.leases, state.clock, now), now)
     return replace(state, servos=None, servos_gone=gone, servos_lost=now, servos_at=nan, ticked=nan), said

@@ -1,5 +1,4 @@
-"""The motion under way: a way of all its joints, ways of single ones beside it, or what the controller plays by
-itself."""
+"""The current motion: a way of all its joints, ways of single joints beside it, or a motion played by the controller."""
 
 from collections.abc import Iterator, Mapping
 from math import isnan, nan
@@ -12,8 +11,8 @@ from lbr.operations.joints.trajectory import Trajectory
 
 
 class Way(Struct, frozen=True, kw_only=True):
-    """The way of one joint that began for itself; before 0 s it waits. `arrived` is when its end was commanded (NaN:
-    not yet)."""
+    """The way of one joint with a start of its own; before 0 s it waits. `arrived` is the time at which its end was
+    commanded (NaN: not yet)."""
 
     trajectory: Trajectory
     elapsed_s: float = 0.0
@@ -21,20 +20,20 @@ class Way(Struct, frozen=True, kw_only=True):
 
 
 class Stored(Struct, frozen=True, kw_only=True):
-    """A motion that the servos' controller is told to play; `playing` since it said so (NaN: not yet)."""
+    """A motion ordered from the servos' controller at `ordered_at`; `playing` since its report (NaN: not yet)."""
 
     motion: StoredMotion
     count: int
-    told_at: float
+    ordered_at: float
     playing: float = nan
 
 
 class ToFeet(Struct, frozen=True, kw_only=True):
-    """The act of a robot that was stopped on its way: it goes on to where it stands, until `until` at the latest.
+    """The step of a stopped robot to a pose in which it stands, until `until` at the latest.
 
-    It quotes the dead `lease`, so that a driver that ended this does not take it up again. `pose` is where it goes
-    straight to, from where it is measured after `begun`. `stops` are who said so by which way, and when that was sent.
-    `lost`: then its mover is gone.
+    It quotes the dead `lease`, so that a driver that ended this does not resume it. `pose` is the target of a straight
+    way, from a position measured after `begun`. `stops` are the senders and ways of its stops, with the times they were
+    sent. `lost`: then its mover is gone.
     """
 
     lease: str
@@ -50,17 +49,16 @@ class ToFeet(Struct, frozen=True, kw_only=True):
 
 
 class Move(Struct, frozen=True, kw_only=True):
-    """A motion under way, `elapsed_s` after the start of its trajectory; what was only offered has none of its kinds
-    yet.
+    """A current motion, `elapsed_s` after the start of its trajectory; an offered one has no ways yet.
 
-    `passed` key frames lay behind when the trajectory began. `arrived` is when its end was commanded (NaN: not yet).
-    `beside` are the ways of joints that joined. `followed`: the driver said that the servos follow; it has been told so
-    since `told_at`, under this lease. With `stay` it is not over when all have arrived.
+    `passed` is the number of key frames before the trajectory. `arrived` is the time at which its end was commanded
+    (NaN: not yet). `beside` are the ways of joints that joined. `followed`: the driver reported that the servos follow;
+    `ordered_at` is the time of the first setpoint under this lease. With `stay` it is not over when all have arrived.
     """
 
     goal: str
     begun: float
-    told_at: float = nan
+    ordered_at: float = nan
     trajectory: Trajectory | None = None
     elapsed_s: float = 0.0
     passed: int = 0
@@ -77,7 +75,7 @@ class Move(Struct, frozen=True, kw_only=True):
 
     @property
     def targets(self) -> dict[str, float]:
-        """Return where it leads its joints."""
+        """Return the final positions of its joints."""
         return {name: way.targets[name] for name, way, _, _ in self.ways()}
 
     @property
@@ -92,11 +90,11 @@ class Move(Struct, frozen=True, kw_only=True):
 
     @property
     def over_since(self) -> float:
-        """Return when the last of these was; NaN while one was not."""
+        """Return the time at which the last end was commanded; NaN before."""
         return max((arrived for _, _, _, arrived in self.ways()), default=nan) if self.over else nan
 
     def ways(self) -> Iterator[tuple[str, Trajectory, float, float]]:
-        """Yield each joint, its way, how far it has come on it in seconds, and when its end was commanded."""
+        """Yield each joint, its way, its elapsed seconds, and the time at which its end was commanded."""
         if self.trajectory is not None:
             for name in self.trajectory.knots:
                 yield name, self.trajectory, self.elapsed_s, self.arrived
@@ -104,7 +102,7 @@ class Move(Struct, frozen=True, kw_only=True):
             yield name, way.trajectory, way.elapsed_s, way.arrived
 
     def under_way(self) -> dict[str, float]:
-        """Return where ways lead that are not over yet."""
+        """Return the final positions of ways that are not over yet."""
         return {name: round(way.knots[name][-1], 5) for name, way, _, arrived in self.ways() if isnan(arrived)}
 
     def moved_since(self, when: float) -> set[str]:
@@ -112,15 +110,15 @@ class Move(Struct, frozen=True, kw_only=True):
         return {name for name, _, _, arrived in self.ways() if not arrived <= when}
 
     def speeds(self) -> dict[str, float]:
-        """Return how fast its joints are to go now, in radians a second."""
-        found = {} if self.trajectory is None else trajectory.speeds(self.trajectory, self.elapsed_s)
+        """Return the commanded speeds of its joints, in radians a second."""
+        speeds_rps = {} if self.trajectory is None else trajectory.speeds(self.trajectory, self.elapsed_s)
         for way in self.beside.values():
-            found |= trajectory.speeds(way.trajectory, way.elapsed_s)
-        return found
+            speeds_rps |= trajectory.speeds(way.trajectory, way.elapsed_s)
+        return speeds_rps
 
     def positions(self) -> dict[str, float]:
-        """Return where its joints are to be now."""
-        found = {} if self.trajectory is None else trajectory.positions(self.trajectory, self.elapsed_s)
+        """Return the commanded positions of its joints."""
+        positions_rad = {} if self.trajectory is None else trajectory.positions(self.trajectory, self.elapsed_s)
         for way in self.beside.values():
-            found |= trajectory.positions(way.trajectory, way.elapsed_s)
-        return found
+            positions_rad |= trajectory.positions(way.trajectory, way.elapsed_s)
+        return positions_rad

@@ -1,5 +1,4 @@
-"""The motion under way: how it begins, where its joints are to be now, when it is over; and the setpoint of all
-this."""
+"""The current motion: its start, the joints' positions now, its end, and the setpoint."""
 
 from math import inf, isnan
 
@@ -13,16 +12,16 @@ from lbr.operations.joints.move import Move
 from lbr.operations.joints.state import REST_S, State, age_s, joint_trouble, position_rad, unmeasured, waits
 
 LONGEST_STEP_S = 0.05
-"""A loop that was held up goes on from where it was, it does not jump."""
+"""The longest step that counts: a loop that was held up continues without a jump."""
 MARGIN_RAD = 0.1
 FRESH_S = 0.05
 FOLLOWING_S = 0.3
-"""The driver says within this time that the servos follow."""
+"""The time limit for the driver's report that the servos follow."""
 
 
 def advance(state: State, now: float) -> State:
-    """Return the state with every joint of the motion where it is to be now; no time passes while no goal is passed
-    on."""
+    """Return the state with every joint of the motion at its position now; time stops while the controller passes no
+    goals on."""
     elapsed_s = min(max(0.0, now - state.ticked), LONGEST_STEP_S)  # this way round, NaN is no time
     state, lease = replace(state, ticked=now), state.leases.live
     if lease is None or not lease.motion.joints or waits(state):
@@ -33,7 +32,7 @@ def advance(state: State, now: float) -> State:
 
 
 def ending(state: State, trouble: Reason | None, now: float) -> tuple[Ending, Reason] | None:
-    """Return how the motion ends now and why, or None while it goes on; `trouble` is that of all servos."""
+    """Return how the motion ends now and why, or None while it continues; `trouble` is that of all servos."""
     move = state.move
     if move is None or move.offered:
         return None
@@ -46,13 +45,13 @@ def ending(state: State, trouble: Reason | None, now: float) -> tuple[Ending, Re
 
 
 def fault(state: State, name: str, now: float) -> Reason | None:
-    """Return why a joint would not follow, or that it has no torque any more; or nothing."""
+    """Return why a joint would not follow, or that it lost its torque; or None."""
     limp = None if name in state.on else Reason("no_torque", f"{name} has no torque any more")
     return joint_trouble(state, name, now) or limp
 
 
 def followed(state: State) -> State:
-    """Return the state in which it is known that the servos follow the motion, if the driver says so."""
+    """Return the state with the motion marked as followed, if the driver reports that."""
     lease = state.leases.live
     if lease is None or lease.motion.followed or state.servos is None or state.servos.phase != "following":
         return state
@@ -61,7 +60,7 @@ def followed(state: State) -> State:
 
 
 def setpoint(state: State) -> Setpoint:
-    """Return what the servos are to do now."""
+    """Return the setpoint of the servos."""
     lease, move = state.leases.live, state.move
     goals = tuple(_goal(state, name) for name in state.body.joints)
     play = stored.play(move.stored) if move is not None and move.stored is not None else None
@@ -72,20 +71,20 @@ def setpoint(state: State) -> Setpoint:
 def freeze(state: State) -> State:
     """Return the state with every joint held where it was measured.
 
-    One that is not moved and is where it should be keeps its goal, or it would sag a little with every stop.
+    A joint at rest near its goal keeps that goal, or it would sag a little with every stop.
     """
     moved = frozenset(state.move.joints if state.move is not None else ())
     moved |= frozenset(state.feet.names if state.feet is not None else ())
-    goals = {name: _here_rad(state, name, None if name in moved else state.goals.get(name)) for name in state.on}
+    goals = {name: _held_rad(state, name, None if name in moved else state.goals.get(name)) for name in state.on}
     lost = state.lost or (state.feet is not None and state.feet.lost)
     return replace(state, goals=goals, halt=state.halt + 1, ticked=state.clock, feet=None, lost=lost)
 
 
 def measured(state: State, name: str) -> float | None:
-    """Return where a joint is to be held, so that it does not move: where it is, or the limit that it is just beyond.
+    """Return the position at which a joint is held, so that it does not move: measured, or the limit just passed.
 
-    None, which has the driver hold it where it is, if that was not measured just now, or is far beyond. In an open loop
-    it is where it was told to be.
+    None makes the driver hold it where it is: the measurement is old, or far beyond the limits. In an open loop it is
+    the last commanded position.
     """
     if state.settings.open_loop and unmeasured(state, name, state.clock):
         return state.goals.get(name)
@@ -99,38 +98,37 @@ def measured(state: State, name: str) -> float | None:
 
 
 def as_found(state: State, name: str) -> float | None:
-    """Return where a joint is to be held that another held before: where that was, if it is there."""
+    """Return the position at which to hold a joint that another holder held: its goal then, if it is there."""
     servo = state.seen.get(name)
     goal = None if servo is None or servo.goal_rad is None else state.body.joint_rad(name, servo.goal_rad)
-    return _here_rad(state, name, None if goal is None or state.body.beyond_rad(name, goal) > 0.0 else goal)
+    return _held_rad(state, name, None if goal is None or state.body.beyond_rad(name, goal) > 0.0 else goal)
 
 
 def held_again(state: State) -> State:
-    """Return the state that has a holder again; joints that gave way meanwhile are held where they are now."""
+    """Return the state with a holder again; joints that gave way meanwhile are held at their position now."""
     if state.feet is not None:
         state = replace(state, feet=None, lost=False)
     return replace(freeze(state), lost=False) if state.lost else state
 
 
 def interrupted(state: State) -> State:
-    """Return the state in which the controller's motion is broken off, where there is one, because another sender takes
-    over."""
+    """Return the state without the controller's motion, if there is one: another sender has taken the lease."""
     return freeze(state) if state.move is not None and state.move.stored is not None else state
 
 
 def _not_followed(state: State, move: Move, now: float) -> Reason | None:
-    """Say that the driver holds the servos, although it is told otherwise."""
+    """Return a reason if the driver holds the servos against its setpoints, or None."""
     servos = state.servos
     if servos is None or servos.phase == "following" or waits(state):
         return None
-    if not (move.followed or now - max(move.told_at, state.waited) > FOLLOWING_S):
+    if not (move.followed or now - max(move.ordered_at, state.waited) > FOLLOWING_S):
         return None
-    said = servos.reason or f"their driver says {servos.phase}"
-    return Reason("not_followed", f"the servos do not follow: {said}")
+    why = servos.reason or f"their driver says {servos.phase}"
+    return Reason("not_followed", f"the servos do not follow: {why}")
 
 
 def _further(move: Move, elapsed_s: float, now: float) -> Move:
-    """Return a motion that has gone on for this long."""
+    """Return a motion that has continued for this long."""
     beside = {}
     for name, one in move.beside.items():
         gone_s = min(one.elapsed_s + elapsed_s, one.trajectory.duration_s)
@@ -146,7 +144,7 @@ def _further(move: Move, elapsed_s: float, now: float) -> Move:
 
 
 def _arrival(state: State, move: Move, now: float) -> tuple[Ending, Reason] | None:
-    """Return that every joint is where it was to be, or that the time for it is over."""
+    """Return that every joint has arrived, or that the time for it is over."""
     away = ((_away_rad(state, name, target), name) for name, target in move.targets.items())
     worst_rad, name = max(away, default=(0.0, ""))
     if worst_rad <= state.settings.tolerance_rad:
@@ -158,10 +156,11 @@ def _arrival(state: State, move: Move, now: float) -> tuple[Ending, Reason] | No
     return "reached", Reason("done", text, cause="off_goal", note=off)
 
 
-def _here_rad(state: State, name: str, goal: float | None) -> float | None:
-    """Return where a joint is held: at its goal, if it is there, or it would sag again; else where it is."""
-    found = position_rad(state, name)
-    if found is None or goal is None or not abs(goal - found) <= state.settings.tolerance_rad:
+def _held_rad(state: State, name: str, goal: float | None) -> float | None:
+    """Return the position at which a joint is held: its goal, if it is near that, or it would sag again; else its
+    position."""
+    present_rad = position_rad(state, name)
+    if present_rad is None or goal is None or not abs(goal - present_rad) <= state.settings.tolerance_rad:
         return measured(state, name)
     return goal
 

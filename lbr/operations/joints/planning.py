@@ -1,4 +1,4 @@
-"""The ways of the joints by a command: through key frames, appended to them, or joined beside them."""
+"""The ways of the joints for a command: through key frames, appended to them, or joined beside them."""
 
 from math import copysign, inf, nan
 
@@ -14,15 +14,15 @@ from lbr.operations.joints.trajectory import Trajectory
 LONGEST_S = 3600.0
 NOTABLE_STRETCH = 1.01
 UNKNOWN_S = 2.0
-"""The assumed way of a joint of unknown place: its servo goes there at its weakest."""
+"""The assumed time to a goal for a joint at an unknown position: its servo goes there at its weakest."""
 SMOOTHEST = 1.5
-"""The time of a smooth way by that of a straight one at the same greatest speed; enough from any lesser speed on.
+"""The time of a smooth way, as a multiple of a straight one at the same greatest speed; enough from any lesser speed.
 """
 
 
 def begin(state: State, command: JointsCommand, goal: str, now: float, idle_s: float = 0.0) -> Move:
-    """Return the motion that a command asks for, from where its joints were told to be last."""
-    move = Move(goal=goal, begun=now, told_at=now, stay=command.stay)
+    """Return the motion for a command, from the last commanded positions of its joints."""
+    move = Move(goal=goal, begun=now, ordered_at=now, stay=command.stay)
     if command.join:
         return joined(state, move, command, now, idle_s)
     rest_s = max((_rest_s(state, name, now) for name in named(command, state.body)), default=0.0)
@@ -30,12 +30,12 @@ def begin(state: State, command: JointsCommand, goal: str, now: float, idle_s: f
 
 
 def instead(move: Move, other: Move) -> Move:
-    """Return what follows a motion under the same lease; however often that happens, the servos are to follow it."""
-    return replace(other, told_at=move.told_at, followed=move.followed)
+    """Return the motion that replaces another under the same lease; the limit for the servos to follow is not extended."""
+    return replace(other, ordered_at=move.ordered_at, followed=move.followed)
 
 
 def append(state: State, move: Move, command: JointsCommand, now: float) -> Move:
-    """Return a motion that goes on through more key frames after those that it still has before it."""
+    """Return the motion with further key frames after its remaining ones."""
     way, behind, ahead = move.trajectory, 0, tuple[KeyFrame, ...]()
     if way is not None:
         behind = trajectory.passed(way, move.elapsed_s)
@@ -46,9 +46,9 @@ def append(state: State, move: Move, command: JointsCommand, now: float) -> Move
 
 
 def joined(state: State, move: Move, command: JointsCommand, now: float, idle_s: float = 0.0) -> Move:
-    """Return a motion that goes on as it was, but for the joints that are named: each begins a way of its own.
+    """Return the motion with a new way for each joint of the command, the others unchanged.
 
-    A joint that has stood for `idle_s` could have begun that long ago, and is taken to have.
+    A joint that has stood for `idle_s` counts as started that long ago.
     """
     (frame,) = frames(command, state.body, trajectory.SHORTEST_S)
     speeds_rps = {} if state.move is None else state.move.speeds()
@@ -64,13 +64,13 @@ def joined(state: State, move: Move, command: JointsCommand, now: float, idle_s:
 
 
 def frames_ahead(move: Move) -> int:
-    """Return how many key frames it has still before it."""
+    """Return the number of its remaining key frames."""
     way = move.trajectory
     return 0 if way is None else len(way.times_s) - 1 - trajectory.passed(way, move.elapsed_s)
 
 
 def note(state: State, move: Move, command: JointsCommand) -> str:
-    """Return what the asker should know: that it takes longer than asked for, and because of which joint."""
+    """Return a note for the sender: that the motion takes longer than requested, and because of which joint."""
     asked_for = command.frames or command.duration_s is not None or command.speed_rps is not None
     if not asked_for:
         return ""
@@ -83,7 +83,7 @@ def note(state: State, move: Move, command: JointsCommand) -> str:
 
 
 def start_rad(state: State, name: str, now: float) -> float | None:
-    """Return where a way of a joint begins: where it was told to be last, or else is; None if unknown."""
+    """Return the start of a joint's way: its last commanded position, or else the measured one; None if unknown."""
     goal = state.goals.get(name)
     if goal is not None:
         return goal
@@ -91,8 +91,7 @@ def start_rad(state: State, name: str, now: float) -> float | None:
 
 
 def _frames(state: State, command: JointsCommand, now: float) -> tuple[KeyFrame, ...]:
-    """Return the key frames of a command; positions take what it says, or as long as its speed needs for the longest
-    way."""
+    """Return the key frames of a command; with a speed instead of a duration, the longest way decides the time."""
     asked_s = command.duration_s
     if command.positions and asked_s is None and command.speed_rps is not None:
         (frame,) = frames(command, state.body, trajectory.SHORTEST_S)
@@ -117,7 +116,7 @@ def _plan(state: State, command: JointsCommand, through: tuple[KeyFrame, ...], n
 
 
 def _way(state: State, command: JointsCommand, name: str, target: float, speed_rps: float, now: float) -> Trajectory:
-    """Return the way of one joint, as fast as its row and the command allow, from as fast as it goes now."""
+    """Return the way of one joint, as fast as its row and the command allow, from its present speed."""
     limit_rps = state.body.joints[name].speed_rps
     place = start_rad(state, name, now)
     start = target if place is None else place
@@ -131,8 +130,7 @@ def _way(state: State, command: JointsCommand, name: str, target: float, speed_r
 
 
 def _begun_rps(way_rad: float, takes_s: float, speed_rps: float, limit_rps: float) -> float:
-    """Return how fast it goes at first: at once as fast as it may, so that it only slows down; but it turns back
-    smoothly."""
+    """Return the initial speed: at once the greatest, so that the joint only slows down; but a reversal is smooth."""
     if speed_rps * way_rad < 0.0:
         return 0.0
     fastest_rps = max(abs(speed_rps), SMOOTHEST * abs(way_rad) / takes_s)
@@ -146,7 +144,7 @@ def _asked_s(command: JointsCommand, way_rad: float) -> float:
 
 
 def _note_of_joined(state: State, move: Move, command: JointsCommand) -> str:
-    """Say what the slowest of the joints that joined takes, if that is notably longer than asked for."""
+    """Return a note about the slowest of the joined joints, if it takes notably longer than requested."""
     slowest = ("", 0.0, inf)
     for name in named(command, state.body):
         way = move.beside[name].trajectory
@@ -164,7 +162,7 @@ def _takes(state: State, takes_s: float, asked_s: float, name: str) -> str:
 
 
 def _rest_s(state: State, name: str, now: float) -> float:
-    """Return how long the driver is still to hear that a released joint is without torque."""
+    """Return how long setpoints must still show a released joint without torque."""
     return max(0.0, REST_S - (now - state.released_at)) if name in state.resting else 0.0
 
 
@@ -172,5 +170,5 @@ def _rests(state: State, name: str, way: Way, now: float) -> bool:
     """Return whether a joint has come to the end of its way, and to its goal as far as is known."""
     if not way.arrived <= now:
         return False
-    found = position_rad(state, name)
-    return found is None or abs(found - way.trajectory.targets[name]) <= state.settings.tolerance_rad
+    present_rad = position_rad(state, name)
+    return present_rad is None or abs(present_rad - way.trajectory.targets[name]) <= state.settings.tolerance_rad

@@ -1,4 +1,4 @@
-"""The demand of a motion command, apart from its sender and lease; in the end always key frames."""
+"""The content of a motion command, apart from its sender and lease; in the end always key frames."""
 
 from math import radians
 
@@ -17,7 +17,7 @@ class JointsRequest(Struct, frozen=True, kw_only=True):
 
 
 def of_move(move: JointMove) -> JointsCommand:
-    """Return a move as people say it as the command that it is."""
+    """Return the command for a move in people's units."""
     return JointsCommand(
         positions={move.joint: radians(move.angle_deg)},
         speed_rps=radians(move.speed_dps),
@@ -28,7 +28,7 @@ def of_move(move: JointMove) -> JointsCommand:
 
 
 def asked(command: JointsCommand, token: str) -> JointsRequest:
-    """Return what a command asks for; `token` is one of its own."""
+    """Return the content of a command; `token` makes each appended part unique."""
     bare = replace(command, lease="", ttl_s=None, take_over=False, asked_s=None)
     return JointsRequest(command=bare, token=token if command.append else "")
 
@@ -46,15 +46,14 @@ def named(command: JointsCommand, body: Body) -> tuple[str, ...]:
 
 
 def strengths(command: JointsCommand, body: Body) -> dict[str, float]:
-    """Return how strong it wants joints to be; those of which it says nothing stay as they are."""
+    """Return the requested strengths of joints; the others keep theirs."""
     partner = body.partner if command.mirror else str
     own = {partner(name): strength for name, strength in command.torques.items()}
     return own if command.torque is None else dict.fromkeys(named(command, body), command.torque) | own
 
 
 def frames(command: JointsCommand, body: Body, positions_s: float) -> tuple[KeyFrame, ...]:
-    """Return the key frames that it asks for, in a mirror if it says so; its positions are one, which takes
-    `positions_s`."""
+    """Return the requested key frames, mirrored on request; positions become one frame of `positions_s`."""
     asked_for = command.frames or (KeyFrame(positions=command.positions, duration_s=positions_s),)
     if not command.mirror:
         return asked_for

@@ -1,4 +1,4 @@
-"""Take in what the servos' driver says: torque that was not known here, and servos that released by themselves."""
+"""The servo driver's reports: torque from before this process, and servos that released by themselves."""
 
 from math import nan
 
@@ -11,41 +11,41 @@ from lbr.operations.joints.ending import Decision, end_what_is_over
 from lbr.operations.joints.state import Outputs, ServosLost, ServosSeen, State, joint_trouble, waits, without
 
 UNREAD_S = 3.0
-"""A driver that has not said by then whether a servo has torque never does."""
+"""After this time a driver that has not reported a servo's torque never will."""
 SWITCHING_S = 1.0
-"""The time that a servo may take to have the torque that it was given."""
+"""The time that a servo may take to show the torque that was switched on."""
 
 
 def seen(state: State, event: ServosSeen, now: float) -> Decision:
-    """Take in a sweep; what was overtaken, or came from a driver that is gone, changes nothing."""
+    """Process a sweep; an overtaken one, or one of a driver that is gone, changes nothing."""
     if event.arrived < state.servos_lost:
         return state, ()
     by_id = {servo.id: servo for servo in event.servos.servos}
     found = {name: by_id[joint.device_id] for name, joint in state.body.joints.items() if joint.device_id in by_id}
     arrived = min(event.arrived, now)  # this way round, NaN stays NaN
-    heard_since = arrived if state.servos is None else state.heard_since
-    state = unlearnt(replace(state, servos=event.servos, seen=found, servos_at=arrived, heard_since=heard_since), now)
+    driver_since = arrived if state.servos is None else state.driver_since
+    state = expired(replace(state, servos=event.servos, seen=found, servos_at=arrived, driver_since=driver_since), now)
     state = replace(state, waited=now) if waits(state) else state
     state = stored.begun_playing(moving.followed(_note_released(_late_servos(_adopted(state, now), now), now)), now)
-    state, told = _without_torque(state, now)
+    state, released = _without_torque(state, now)
     state, ended = end_what_is_over(state, now)
-    return _without_unmeasured(state, now), told + ended
+    return _without_unmeasured(state, now), released + ended
 
 
 def driver_lost(state: State, event: ServosLost, now: float) -> Decision:
-    """End what was under way; what the servos do is not known any more."""
+    """End the current motion; the servos' state is unknown."""
     state = replace(state, servos=None, servos_gone=event.reason, servos_lost=now, servos_at=nan)
     state, ended = end_what_is_over(state, now)
-    return unlearnt(replace(state, seen={}), now), ended
+    return expired(replace(state, seen={}), now), ended
 
 
-def unlearnt(state: State, now: float) -> State:
-    """Return the state without what is not known any more: then nothing is said until the servos are heard again."""
+def expired(state: State, now: float) -> State:
+    """Return the state without knowledge that has expired: no setpoints are sent until the servos report again."""
     return state if _known(state, now) else replace(state, adopted=False)
 
 
 def _known(state: State, now: float) -> bool:
-    """Return whether the driver does as it is told, or the servos are known to be without torque."""
+    """Return whether the driver obeys, or the servos are known to be without torque."""
     servos = state.servos
     if servos is None or not state.seen or not now - state.servos_at <= state.settings.servos_max_age_s:
         return False
@@ -53,20 +53,20 @@ def _known(state: State, now: float) -> bool:
 
 
 def _adopted(state: State, now: float) -> State:
-    """Take over servos as they are, when it was not known: those with torque are held where they were measured.
+    """Adopt servos in their present state: those with torque are held where they were measured.
 
-    The mover from before this process began is lost; a driver that was away meanwhile lost none. A driver that has
-    just begun itself needs a moment to know which have torque.
+    The mover from before this process is lost; a driver that was away meanwhile lost none. A driver that has just
+    started needs a moment to read the torque of its servos.
     """
     if state.adopted or not _known(state, now):
         return state
     tells = state.servos is not None and state.servos.tells_torque
     unread = tells and any(servo.torque is None and not servo.reason for servo in state.seen.values())
-    if unread and now - state.heard_since < UNREAD_S:
+    if unread and now - state.driver_since < UNREAD_S:
         return state
     on = frozenset(name for name, servo in state.seen.items() if _has_torque(state, name, servo))
     goals = {name: moving.as_found(state, name) for name in on}
-    strength = {name: found for name in on if (found := state.seen[name].torque) is not None and found < 1.0}
+    strength = {name: share for name in on if (share := state.seen[name].torque) is not None and share < 1.0}
     lost = bool(on) and (state.lost or not state.begun)
     halt = state.halt + 1
     silent = frozenset(name for name, servo in state.seen.items() if servo.torque is None) - on
@@ -76,7 +76,7 @@ def _adopted(state: State, now: float) -> State:
 
 
 def _late_servos(state: State, now: float) -> State:
-    """A servo that was silent until now and has torque is held as well: it had a holder before this process began."""
+    """Hold a servo that was silent until now and has torque, too: it had a holder before this process began."""
     torque = {name: state.seen[name].torque for name in state.unread & state.seen.keys()}
     reporting = frozenset(name for name, found in torque.items() if found is not None)
     on = frozenset(name for name in reporting if torque[name])
@@ -87,12 +87,12 @@ def _late_servos(state: State, now: float) -> State:
 
 
 def _has_torque(state: State, name: str, servo: ServoState) -> bool:
-    """Return whether a servo has torque: as far as is known, where it does not answer."""
+    """Return whether a servo has torque, by the last knowledge if it does not answer."""
     return name in state.on if servo.torque is None else servo.torque > 0.0
 
 
 def _note_released(state: State, now: float) -> State:
-    """Take in that the driver has released servos, where that is for the driver to decide."""
+    """Mark servos as released if the driver has released them in a phase in which it decides."""
     servos = state.servos
     decides = servos is not None and (state.lost or servos.estop or not servos.armed)
     if servos is None or not (state.adopted and decides and servos.phase == "released"):
@@ -105,8 +105,7 @@ def _off(state: State, names: frozenset[str], now: float) -> State:
 
 
 def _without_torque(state: State, now: float) -> Decision:
-    """A servo that released by itself is without torque until that is switched on again, also when its fault is
-    over."""
+    """Mark a servo that released by itself as without torque, until that is switched on again, even after its fault."""
     if state.move is not None and state.move.stored is not None:
         return state, ()  # its controller has them
     late = now - max(state.switched, state.waited) >= SWITCHING_S
@@ -130,7 +129,7 @@ def _without_torque(state: State, now: float) -> Decision:
 
 
 def _without_unmeasured(state: State, now: float) -> State:
-    """A servo that is not measured is to stay where it is, and when it comes back to hold where it is then."""
+    """Hold a servo that is not measured at its position, and after its return at its position then."""
     if state.move is not None and state.move.stored is not None:
         return state
     changed: dict[str, float | None] = {}

@@ -9,11 +9,11 @@ from lbr.messages.units import TtlS
 
 
 class JointsSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Settings of how a humanoid's joints are moved.
+    """Settings of the motion of a humanoid's joints.
 
     A motion ends when all its joints measure within `tolerance_rad`, or after `settle_s`. `open_loop`: unmeasured
-    joints move, too: they count as being where they were sent, and arrive by the clock; an unknown one starts at its
-    goal, slowly.
+    joints move, too. They count as being at their commanded position, and arrive by the clock; an unknown one starts at
+    its goal, slowly.
     """
 
     rate_hz: Annotated[float, Meta(ge=10.0, le=200.0, description="setpoints per second")] = 100.0

@@ -25,17 +25,17 @@ from lbr.operations.joints.move import Move, ToFeet
 from lbr.operations.joints.settings import JointsSettings
 
 LAPSE_AHEAD_ROUNDS = 1.5
-"""A lapse is noticed by the loop, up to a round late."""
+"""The reserve for a lapse: the loop notices it up to a round late."""
 REST_S = 0.1
 PASSES_ON = ("", "pc")
-"""The modes of the servos' controller in which goals come to the servos."""
+"""The modes of the servos' controller in which goals reach the servos."""
 
 
 class Command(Struct, frozen=True, kw_only=True):
-    """A motion command that was sent, or else came in, at `received`, with fresh ids in case it is accepted.
+    """A motion command sent, or else received, at `received`, with fresh ids in case it is accepted.
 
-    For `waited_s` before that it had waited at its sender; `by` asked the sender for it. `remote`: from another
-    machine, whose clock said `sender_s` (NaN: it did not tell). `answerable`: the sender waits for the reply.
+    Before that it waited at its sender for `waited_s`; `by` is the original requester. `remote`: it is from another
+    machine, whose clock was at `sender_s` (NaN: unknown). `answerable`: the sender waits for the reply.
     """
 
     command: JointsCommand
@@ -51,7 +51,7 @@ class Command(Struct, frozen=True, kw_only=True):
 
 
 class Torque(Struct, frozen=True, kw_only=True):
-    """A sender wants the torque of joints switched."""
+    """A sender's request to switch the torque of joints."""
 
     command: TorqueCommand
     source: str
@@ -67,7 +67,7 @@ class HolderGone(Struct, frozen=True, kw_only=True):
 
 
 class ServosSeen(Struct, frozen=True, kw_only=True):
-    """The servo driver said how every servo is."""
+    """The servo driver published the state of every servo."""
 
     servos: ServosState
     arrived: float
@@ -91,16 +91,16 @@ Outputs = tuple[Output, ...]
 
 
 class State(Struct, frozen=True, kw_only=True):
-    """Everything the kernel remembers.
+    """The whole state of the kernel.
 
-    `on` are the joints with torque, `goals` where each of them is to be now, in its own radians (None: where it is),
-    and `strength` what is not all of that torque, as a fraction. Nothing is known of either until the driver was heard
-    (`adopted`; `begun`: it once was); until then it is told nothing. Times: the driver was there since `heard_since`,
-    torque was last switched on at `switched`. Joints released at `released_at` are `resting`: the driver is to hear
-    of them without torque before it hears of them with it again. Of `unread` it is not known yet whether they have
-    torque. `lost`: their mover is gone, and the driver decides. `halt` counts how often all were to hold where they
-    were measured, `count` what the controller was told to play; until `waited` it passed no goals on. `feet`: it was
-    stopped on its way, and steps to its feet.
+    `on` are the joints with torque, `goals` their commanded positions in their own radians (None: the present one).
+    `strength` are the fractions of joints with less than full torque. They are known once the driver reported
+    (`adopted`; `begun`: it once did); no setpoints are sent before that. Times: the driver is present since
+    `driver_since`, torque was last switched on at `switched`. Joints released at `released_at` are `resting`: setpoints
+    must show them without torque before it returns. The torque of `unread` joints is unknown yet. `lost`: the mover is
+    gone, and the driver decides. `halt` counts the holds of all joints where they were measured, `count` the orders to
+    the controller. Until `waited` it passed no goals on. `feet`: the robot was stopped on its way, and steps to its
+    feet.
     """
 
     settings: JointsSettings
@@ -121,7 +121,7 @@ class State(Struct, frozen=True, kw_only=True):
     servos: ServosState | None = None
     seen: Mapping[str, ServoState] = {}
     servos_at: float = nan
-    heard_since: float = nan
+    driver_since: float = nan
     switched: float = -inf
     released_at: float = -inf
     unread: frozenset[str] = frozenset()
@@ -131,7 +131,7 @@ class State(Struct, frozen=True, kw_only=True):
 
     @property
     def move(self) -> Move | None:
-        """The motion under way."""
+        """The current motion."""
         return self.leases.live.motion if self.leases.live is not None else None
 
 
@@ -157,7 +157,7 @@ def without(state: State, names: frozenset[str]) -> State:
 
 
 def position_rad(state: State, name: str) -> float | None:
-    """Return where a joint was measured, in its own radians."""
+    """Return the measured position of a joint, in its own radians."""
     servo = state.seen.get(name)
     if servo is None or servo.position_rad is None:
         return None
@@ -165,23 +165,23 @@ def position_rad(state: State, name: str) -> float | None:
 
 
 def age_s(state: State, name: str, now: float) -> float:
-    """Return how old the measured position of a joint is; infinite if unknown."""
+    """Return the age of a joint's measured position; infinite if unknown."""
     servo = state.seen.get(name)
     return inf if servo is None or servo.age_s is None else servo.age_s + max(0.0, now - state.servos_at)
 
 
 def unmeasured(state: State, name: str, now: float) -> bool:
-    """Return whether it is not known from measuring where a joint is."""
+    """Return whether a joint has no recent measurement."""
     return position_rad(state, name) is None or not age_s(state, name, now) <= state.settings.joint_max_age_s
 
 
 def waits(state: State) -> bool:
-    """Return whether the servos' controller does not pass goals on at present; it will, without being asked."""
+    """Return whether the servos' controller passes no goals on now; it resumes by itself."""
     return state.servos is not None and state.servos.mode not in PASSES_ON
 
 
 def servos_trouble(state: State, now: float) -> Reason | None:
-    """Return why no servo would follow, or nothing."""
+    """Return why no servo would follow, or None."""
     if state.servos is None:
         return Reason("unreachable", state.servos_gone)
     longest_s = state.settings.servos_max_age_s
@@ -193,7 +193,7 @@ def servos_trouble(state: State, now: float) -> Reason | None:
 
 
 def joint_trouble(state: State, name: str, now: float) -> Reason | None:
-    """Return why one joint would not follow, or nothing."""
+    """Return why one joint would not follow, or None."""
     servo = state.seen.get(name)
     if servo is None:
         unknown = f"{name}: the servo driver does not know servo {state.body.joints[name].device_id}"

@@ -1,4 +1,4 @@
-"""Motions that the servos' controller plays by itself: told to, watched, and over."""
+"""Motions that the servos' controller plays by itself: order, progress and end."""
 
 from math import isnan
 
@@ -13,32 +13,32 @@ from lbr.operations.joints.move import Move, Stored
 from lbr.operations.joints.state import State, age_s, position_rad
 
 TAKEN_S = 1.0
-"""The driver says within this time that it knows of it."""
+"""The time limit for the driver's acknowledgement."""
 GRACE_S = 3.0
-"""So much later than it should a motion may end; then it is taken to be over."""
+"""The delay after its planned end at which a motion counts as over."""
 FRESH_S = 0.05
 
 
 def begin(state: State, motion: StoredMotion, goal: str, now: float) -> tuple[State, Move]:
-    """Return the state in which the controller is told, and the motion: nothing gets torque before that plays.
+    """Return the state with an order to the controller, and its motion: nothing gets torque before it plays.
 
-    Counts grow with the clock, so that a process that starts over does not say one again.
+    Counts grow with the clock, so that a restarted process repeats none.
     """
     count = max(state.count + 1, int(max(now, 0.0) * 1000.0) + 1)
-    order = Stored(motion=motion, count=count, told_at=now)
+    order = Stored(motion=motion, count=count, ordered_at=now)
     return replace(state, count=count, goals=dict.fromkeys(state.on)), Move(
-        goal=goal, begun=now, told_at=now, stored=order
+        goal=goal, begun=now, ordered_at=now, stored=order
     )
 
 
 def play(order: Stored) -> StoredPlay:
-    """Return what the driver is to be told."""
+    """Return the order for the driver."""
     motion = order.motion
     return StoredPlay(slot=motion.slot, count=order.count, duration_s=motion.duration_s, limp=motion.limp)
 
 
 def begun_playing(state: State, now: float) -> State:
-    """Take in what the driver says of it; once the controller plays, it has every servo."""
+    """Apply the driver's report; once the controller plays, it has every servo."""
     lease, move = state.leases.live, state.move
     if lease is None or move is None or move.stored is None or not isnan(move.stored.playing):
         return state
@@ -52,13 +52,13 @@ def begun_playing(state: State, now: float) -> State:
 
 
 def ending(state: State, order: Stored, now: float) -> tuple[Ending, Reason] | None:
-    """Return how it ended and why, or None while it is played."""
+    """Return how it ended and why, or None while it plays."""
     report, slot = _report_of(state, order), order.motion.slot
     if report is None:
         servos = state.servos
         reason = servos.reason or f"their driver says {servos.phase}" if servos is not None else state.servos_gone
         why = Reason("not_followed", f"the controller does not play slot {slot}: {reason}")
-        return ("fault", why) if now - order.told_at > TAKEN_S else None
+        return ("fault", why) if now - order.ordered_at > TAKEN_S else None
     if report.phase == "failed":
         return "fault", Reason("failed", report.reason or f"the controller did not play slot {slot}")
     if report.phase == "over":
@@ -73,8 +73,7 @@ def ending(state: State, order: Stored, now: float) -> tuple[Ending, Reason] | N
 
 
 def after(state: State, order: Stored, now: float) -> State:
-    """Return the state after its end: joints are at its pose, unless they were measured elsewhere since; or it is
-    released."""
+    """Return the state after its end: joints at its pose, unless measured elsewhere since; or released."""
     if order.motion.limp:
         return replace(state, on=frozenset(), goals={}, strength={}, resting=state.on, released_at=now)
     goals = {name: _afterwards(state, name, order.motion, now) for name in state.on}
@@ -82,12 +81,12 @@ def after(state: State, order: Stored, now: float) -> State:
 
 
 def left_s(order: Stored, now: float) -> float:
-    """Return how long it still takes."""
+    """Return the remaining time."""
     return max(0.0, order.motion.duration_s - max(0.0, now - _since(order)))
 
 
 def busy(state: State, now: float) -> Reason | None:
-    """Return why nothing else moves, or nothing."""
+    """Return why nothing else moves, or None."""
     lease = state.leases.live
     if lease is None or lease.motion.stored is None:
         return None
@@ -96,11 +95,11 @@ def busy(state: State, now: float) -> Reason | None:
 
 
 def _since(order: Stored) -> float:
-    return order.told_at if isnan(order.playing) else order.playing
+    return order.ordered_at if isnan(order.playing) else order.playing
 
 
 def _report_of(state: State, order: Stored) -> StoredState | None:
-    """Return what the driver says of this very motion."""
+    """Return the driver's report on this motion."""
     report = state.servos.stored if state.servos is not None else None
     return report if report is not None and report.count == order.count else None
 

@@ -1,4 +1,4 @@
-"""Switching the torque of joints: on where they are, off only when that is confirmed."""
+"""Switching the torque of joints: on at their position, off only when that is confirmed."""
 
 from collections.abc import Iterable, Mapping
 
@@ -12,11 +12,11 @@ from lbr.operations.joints import moving, stored
 from lbr.operations.joints.ending import Decision, end_what_is_over, setpoint
 from lbr.operations.joints.state import NOT_ADOPTED, State, Torque, joint_trouble, position_rad, servos_trouble, without
 
-MOST_TOLD = 3
+MOST_NAMED = 3
 
 
 def switch(state: State, event: Torque, now: float) -> Decision:
-    """Refuse to switch the torque, or do it, and say so."""
+    """Refuse to switch the torque, or switch it and report that."""
     if why := _refusal(state, event, now):
         return state, (Reply(message=refused(why)),)
     names = event.command.joints or tuple(state.body.joints)
@@ -26,8 +26,8 @@ def switch(state: State, event: Torque, now: float) -> Decision:
 def _on(state: State, event: Torque, names: tuple[str, ...], now: float) -> Decision:
     troubles = {name: why for name in names if (why := not_to_be_held(state, name, now))}
     fit = frozenset(names) - troubles.keys()
-    sentences = "; ".join(why.text for why in list(troubles.values())[:MOST_TOLD])
-    more = f" (and {len(troubles) - MOST_TOLD} more)" if len(troubles) > MOST_TOLD else ""
+    sentences = "; ".join(why.text for why in list(troubles.values())[:MOST_NAMED])
+    more = f" (and {len(troubles) - MOST_NAMED} more)" if len(troubles) > MOST_NAMED else ""
     if not fit:
         first = next(iter(troubles.values()))
         return state, (Reply(message=refused(Reason(first.code, sentences + more))),)
@@ -51,7 +51,7 @@ def _off(state: State, event: Torque, names: tuple[str, ...], now: float) -> Dec
 
 
 def strengthen(state: State, source: str, strengths: Mapping[str, float], now: float) -> Decision:
-    """Return the state in which joints have so much torque from now on; those without get it where they are."""
+    """Return the state in which joints have this torque from now on; joints without any get it at their position."""
     switched = frozenset(strengths) - state.on
     strengths = {**state.strength, **strengths}
     if not switched:
@@ -61,7 +61,7 @@ def strengthen(state: State, source: str, strengths: Mapping[str, float], now: f
 
 
 def not_to_be_held(state: State, name: str, now: float) -> Reason | None:
-    """Say why a joint cannot be held where it is, or nothing."""
+    """Return why a joint cannot be held where it is, or None."""
     if why := joint_trouble(state, name, now):
         return why
     present_rad = position_rad(state, name)
@@ -98,7 +98,7 @@ def _form(state: State, event: Torque, now: float) -> Reason | None:
     if not now - event.received <= LATE_S:
         return Reason("late", f"this command came {now - event.received:.1f} s after it was sent; send it again")
     named = event.command.joints
-    if unknown := "; ".join(why.text for name in named[:MOST_TOLD] if (why := state.body.unknown(name))):
+    if unknown := "; ".join(why.text for name in named[:MOST_NAMED] if (why := state.body.unknown(name))):
         return Reason("unknown_name", unknown)
     everything = not named or state.body.joints.keys() <= set(named)
     if everything and not event.command.on and not event.command.confirmed:
@@ -126,7 +126,7 @@ def _rest(state: State, event: Torque, now: float) -> Reason | None:
 
 
 def _known(state: State, now: float) -> Reason | None:
-    """Until it is known which servos have torque, nothing is told to any."""
+    """Refuse until the torque of servos is known."""
     return None if state.adopted else servos_trouble(state, now) or NOT_ADOPTED
 
 
@@ -140,5 +140,5 @@ def _switch_events(state: State, source: str, names: Iterable[str], *, on: bool)
 
 
 def _reply(reason: str = "", *troubles: Reason) -> Reply:
-    """Return that it was done, but for what there is trouble with."""
+    """Return an accepting reply, with the troubles that remain."""
     return Reply(message=CommandReply(accepted=True, reason=reason, code=troubles[0].code if troubles else ""))

@@ -1,4 +1,4 @@
-"""Ways of joints through key frames: smooth or straight, never beyond what they connect, never faster than allowed."""
+"""Ways of joints through key frames: smooth or straight, never beyond their frames, never faster than allowed."""
 
 from bisect import bisect_right
 from collections.abc import Collection, Mapping, Sequence
@@ -11,20 +11,20 @@ from msgspec import Struct
 from lbr.messages.joints import Interpolation, KeyFrame
 
 SHORTEST_S = 0.01
-"""No way takes less, not even one to where a joint is already."""
+"""The least time of a way, even to the present position."""
 SLACK = 1e-9
 STEEPEST = 3.0
-"""A cubic stays between its ends while its slopes are no steeper than this many times the straight line's (Fritsch,
-Carlson)."""
+"""A cubic stays between its ends while its slopes are at most this many times the straight line's (Fritsch, Carlson).
+"""
 
 Slopes = tuple[float, ...]
 
 
 class Trajectory(Struct, frozen=True, kw_only=True):
-    """Where joints are to be, and when, in seconds from the start; radians and radians a second.
+    """Positions of joints over time, in seconds from the start; radians and radians a second.
 
-    `slopes` are the speeds at the knots; a joint that has none goes straight. `stretch` is how many times longer it
-    takes than it was asked to, because of `slowest`. `stable` are the knots where the robot may come to rest.
+    `slopes` are the speeds at the knots; a joint that has none goes straight. `stretch` is the factor by which it is
+    slower than requested, because of `slowest`. `stable` are the knots at which the robot may come to rest.
     """
 
     times_s: tuple[float, ...]
@@ -36,12 +36,12 @@ class Trajectory(Struct, frozen=True, kw_only=True):
 
     @property
     def duration_s(self) -> float:
-        """Return how long all of it takes."""
+        """Return the total time."""
         return self.times_s[-1]
 
     @property
     def targets(self) -> dict[str, float]:
-        """Return where it ends."""
+        """Return the final positions."""
         return {name: values[-1] for name, values in self.knots.items()}
 
 
@@ -54,8 +54,8 @@ def plan(
 ) -> Trajectory:
     """Return the way from `start` through every frame; a joint that a frame leaves out stays.
 
-    All of it is stretched alike, so that no joint is faster than its limit. A smooth way begins as fast as the joint
-    goes already (`speeds_rps`, unless it is stretched) and ends at rest; in between it stops only where it turns back.
+    All of it is stretched alike, so that no joint is faster than its limit. A smooth way begins at the joint's present
+    speed (`speeds_rps`, unless it is stretched) and ends at rest. In between it stops only where it turns back.
     """
     names = [name for name in start if any(name in frame.positions for frame in frames)]
     knots = {name: _knots(start[name], name, frames) for name in names}
@@ -77,24 +77,24 @@ def plan(
 
 
 def positions(trajectory: Trajectory, elapsed_s: float) -> dict[str, float]:
-    """Return where its joints are to be then; before its start and after its end they stand."""
+    """Return the positions of its joints at a time; before its start and after its end they stand."""
     return {name: position for name, (position, _) in _states(trajectory, elapsed_s).items()}
 
 
 def speeds(trajectory: Trajectory, elapsed_s: float) -> dict[str, float]:
-    """Return how fast its joints are to go then; 0 before its start and after its end."""
+    """Return the speeds of its joints at a time; 0 before its start and after its end."""
     if not 0.0 <= elapsed_s < trajectory.duration_s:
         return dict.fromkeys(trajectory.knots, 0.0)
     return {name: speed for name, (_, speed) in _states(trajectory, elapsed_s).items()}
 
 
 def passed(trajectory: Trajectory, elapsed_s: float) -> int:
-    """Return how many key frames lie behind."""
+    """Return the number of passed key frames."""
     return max(0, bisect_right(trajectory.times_s, elapsed_s) - 1)
 
 
 def ahead(trajectory: Trajectory, elapsed_s: float) -> tuple[KeyFrame, ...]:
-    """Return the key frames that do not, each with the time that is left for it."""
+    """Return the key frames ahead, each with its remaining time."""
     first = passed(trajectory, elapsed_s) + 1
     times_s = (elapsed_s, *trajectory.times_s[first:])
     return tuple(
@@ -108,7 +108,7 @@ def ahead(trajectory: Trajectory, elapsed_s: float) -> tuple[KeyFrame, ...]:
 
 
 def without(trajectory: Trajectory, names: Collection[str]) -> Trajectory | None:
-    """Return the way of the joints that are left, each as it was; None if no joint is left."""
+    """Return the way without some joints, the others unchanged; None if no joint is left."""
     knots = {name: values for name, values in trajectory.knots.items() if name not in names}
     return msgspec.structs.replace(trajectory, knots=knots) if knots else None
 
@@ -124,7 +124,7 @@ def _states(trajectory: Trajectory, elapsed_s: float) -> dict[str, tuple[float, 
 
 
 def _within(trajectory: Trajectory, name: str, at: int, share: float, step_s: float) -> tuple[float, float]:
-    """Return position and speed at a share of a step; a cubic is bounded against what rounding adds to it."""
+    """Return position and speed at a share of a step; a cubic is bounded against rounding."""
     values = trajectory.knots[name]
     begin, end = values[at], values[at + 1]
     way, slopes = end - begin, trajectory.slopes.get(name)
@@ -172,7 +172,7 @@ def _too_fast(
     steps_s: Sequence[float],
     limits_rps: Mapping[str, float],
 ) -> tuple[float, str]:
-    """Return by how many times the worst joint is too fast, and its name."""
+    """Return the factor by which the worst joint is too fast, and its name."""
     ratios = ((_fastest(values, slopes.get(name), steps_s) / limits_rps[name], name) for name, values in knots.items())
     return max(ratios, default=(0.0, ""))
 

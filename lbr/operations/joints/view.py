@@ -1,4 +1,4 @@
-"""Make the public state of the joints."""
+"""The public state of the joints."""
 
 from math import isfinite
 
@@ -14,7 +14,7 @@ LETS_GO = "the servos hold, and release slowly unless they are moved or their to
 
 
 def joints_state(state: State, now: float, loop: LoopStatistics | None = None) -> JointsState:
-    """Return every joint out of the newest sweep, who moves them, and why they stand still."""
+    """Return every joint from the newest sweep, their mover, and the reason for their rest."""
     lease, servos = state.leases.live, state.servos
     move = lease.motion if lease is not None else None
     order = move.stored if move is not None else None
@@ -52,7 +52,7 @@ def _passed(move: Move | None) -> int:
 def _joint(state: State, joint: Joint, target_rad: float | None, now: float) -> JointState:
     servo = state.seen.get(joint.name)
     if servo is None:
-        return JointState(id=joint.device_id, target_rad=target_rad, reason=_unheard(state))
+        return JointState(id=joint.device_id, target_rad=target_rad, reason=_absence(state))
     return JointState(
         id=servo.id,
         position_rad=_angle(joint, servo.position_rad),
@@ -72,7 +72,7 @@ def _joint(state: State, joint: Joint, target_rad: float | None, now: float) -> 
     )
 
 
-def _unheard(state: State) -> str:
+def _absence(state: State) -> str:
     if state.servos is None:
         return state.servos_gone
     return "the servo driver does not know it" if state.servos.armed else "the servos are not armed"

@@ -23,7 +23,7 @@ from lbr.messages.joints import (
     motions_of,
 )
 from lbr.messages.leases import CommandReply
-from lbr.operations.lender import LeasingCapability, new_goal, said_by
+from lbr.operations.lender import LeasingCapability, new_goal, origin_of
 from lbr.operations.motions import MotionsSettings, fall
 from lbr.operations.motions.joints_client import JointsClient
 from lbr.operations.motions.kernel import decide
@@ -48,12 +48,11 @@ from lbr.operations.motions.view import motions_state
 STATE_PERIOD_S = 0.5
 OLDEST_S = 0.5
 PLAYING_HZ, IDLE_HZ = 50.0, 10.0
-"""Commands and what the joints say wake it all the same."""
+"""The rates of rounds; commands and the joints' messages wake the process anyway."""
 
 
 class Motions(LeasingCapability[MotionsSettings, State]):
-    """Plays the motions of the rows through the joints, for the holder of their lease, and writes down poses made by
-    hand."""
+    """Plays the motions of the rows through the joints, for the holder of their lease, and captures poses made by hand."""
 
     ends, tick = "motions are shutting down", Tick()
     feeds = ("joints", "attitude")
@@ -64,19 +63,19 @@ class Motions(LeasingCapability[MotionsSettings, State]):
         self.begin()
 
     def open(self) -> None:
-        """Begin with nothing played."""
+        """Start with nothing played."""
         self.begin()
         self.listen()
 
     def step(self) -> None:
-        """Take in what arrived, and go on playing."""
+        """Process arrived messages, and continue to play."""
         self.listen()
         self.happen(Tick())
         self.report()
         self.rate_hz = IDLE_HZ if self._state.lease is None and self._player is None else PLAYING_HZ
 
     def lend(self, call: Call) -> None:
-        """Answer `play` and `capture`."""
+        """Handle `play` and `capture`."""
         if isinstance(call.message, PlayCommand):
             self._play(call, call.message)
         elif isinstance(call.message, CaptureCommand):
@@ -88,12 +87,12 @@ class Motions(LeasingCapability[MotionsSettings, State]):
             super().lend(call)
 
     def close(self) -> None:
-        """Have the joints hold."""
+        """Make the joints hold."""
         super().close()
         self._follower.halt(self.ends)
 
     def begin(self) -> None:
-        """Begin with nothing lent."""
+        """Start without a lease."""
         super().begin()
         self._follower = JointsClient(self.ctx, self.happen)
         self._fall = fall.Fall()
@@ -102,15 +101,15 @@ class Motions(LeasingCapability[MotionsSettings, State]):
         self._reported_at = -inf
 
     def first(self) -> State:
-        """Return that nothing was played."""
+        """Return the state before any motion."""
         return first_state(self.ctx.settings.ttl_s, self.ctx.clock())
 
     def decide(self, event: Event, now: float) -> tuple[State, Outputs]:
-        """Return what the kernel makes of an event."""
+        """Return the kernel's decision on an event."""
         return decide(self._state, event, now)
 
     def hear(self) -> None:
-        """Take in what the joints say, and whether the robot has fallen."""
+        """Process the joints' messages, and detect a fall."""
         self._follower.step()
         newest = self.ctx.latest("attitude")
         before, now = self._fall.lies, self.ctx.clock()
@@ -125,15 +124,15 @@ class Motions(LeasingCapability[MotionsSettings, State]):
             self.ctx.event("upright", f"{self.ctx.robot} is upright again", code="done")
 
     def not_at_rest(self) -> str:
-        """Return nothing: what moves are the joints, and they acknowledge for themselves."""
+        """Return an empty string: the joints move, and acknowledge the stop themselves."""
         return ""
 
     def trouble(self) -> Reason | None:
-        """Return why the joints would not follow, or nothing."""
+        """Return why the joints would not follow, or None."""
         return self._follower.trouble
 
     def pass_on(self, output: Output, call: Call | None) -> None:
-        """Publish, tell, answer, or have the joints do it."""
+        """Publish an output, reply, or send a command to the joints."""
         match output:
             case Answer(message=reply):
                 self._answer(reply)
@@ -168,7 +167,7 @@ class Motions(LeasingCapability[MotionsSettings, State]):
         return motions_of(self.ctx.rows(MotionRow), self.ctx.rows(MotionStep))
 
     def _from_here(self, frames: tuple[KeyFrame, ...], *, mirror: bool) -> tuple[KeyFrame, ...]:
-        """Return key frames with a way to the first that no joint is too slow for."""
+        """Return key frames with enough time to the first, so that no joint is too slow for it."""
         newest = self.ctx.latest("joints")
         if newest is None or not frames:
             return frames
@@ -176,7 +175,7 @@ class Motions(LeasingCapability[MotionsSettings, State]):
         return (replace(frames[0], duration_s=max(frames[0].duration_s, way_s)), *frames[1:])
 
     def _capture(self, command: CaptureCommand, source: str) -> str:
-        """Write the pose of now down; raise InputError if it is not known."""
+        """Store the present pose; raise InputError if it is unknown."""
         if self._state.lease is not None:
             raise InputError(f"'{self._state.lease.motion.programme.motion.name}' is being played; stop it first")
         newest = self.ctx.latest("joints")
@@ -220,10 +219,10 @@ class Motions(LeasingCapability[MotionsSettings, State]):
             self._follower.follow(command)
 
     def report(self) -> None:
-        """Tell what is played twice a second, and at once when it changed."""
+        """Publish the state twice a second, and at once when it changed."""
         now = self.ctx.clock()
         state = replace(motions_state(self._state), fallen=self._fall.lies)
-        bare = replace(state, left_s=None)  # that alone is no news
+        bare = replace(state, left_s=None)  # alone it is no change
         if bare != self._reported or not now - self._reported_at < STATE_PERIOD_S:
             self._reported, self._reported_at = bare, now
             self.ctx.publish("state", state)
@@ -236,5 +235,5 @@ def _ask(call: Call, command: PlayCommand) -> LeaseRequest:
         lease=command.lease,
         take_over=command.take_over,
         ttl_s=command.ttl_s,
-        **said_by(call),
+        **origin_of(call),
     )

@@ -11,27 +11,28 @@ from lbr.messages.codes import Reason
 
 Lies = Literal["", "face", "back", "side"]
 FALLEN_RAD, UPRIGHT_RAD = radians(60.0), radians(35.0)
-"""From 50 degrees on no simulated humanoid came back; motions that end well leant 30 at most."""
+"""The lean of a fall and of an upright robot: none came back from 50 degrees in simulation; good motions lean 30 at
+most."""
 FALLEN_S, UPRIGHT_S = 0.2, 0.5
-"""For so long, at least: a knock is no fall."""
+"""The least duration of each: a knock is no fall."""
 OLDEST_S = 0.3
 ALONG = sin(radians(45.0))
 ON: dict[Lies, str] = {"face": "on its face", "back": "on its back", "side": "on its side"}
 
 
 GETS_UP = "get_up"
-"""A motion whose name begins so begins lying; every other one needs to stand."""
+"""The prefix of motions that begin lying; all others need a standing robot."""
 
 
 class Fall(Struct, frozen=True, kw_only=True):
-    """The side on which it lies, empty: upright or unknown. `since` is when it began to lean otherwise than that."""
+    """The side on which it lies, empty: upright or unknown. `since` is the beginning of a different lean."""
 
     lies: Lies = ""
     since: float | None = None
 
 
 def refusal(state: Fall, motion: str) -> Reason | None:
-    """Return why a motion is not begun while the robot lies."""
+    """Return why a motion cannot begin while the robot lies, or None."""
     if not state.lies or motion.startswith(GETS_UP):
         return None
     text = f"the robot lies {ON[state.lies]}, and '{motion}' needs it to stand; motions that begin lying are named {GETS_UP}…"
@@ -39,7 +40,7 @@ def refusal(state: Fall, motion: str) -> Reason | None:
 
 
 def seen(state: Fall, attitude: AttitudeState, now: float) -> Fall:
-    """Return how it lies now; an attitude that is old, not valid or no number changes nothing."""
+    """Return the state after an attitude; one that is old, invalid or not finite changes nothing."""
     roll, pitch = attitude.roll_rad, attitude.pitch_rad
     if not attitude.valid or roll is None or pitch is None or not now - attitude.measured_s <= OLDEST_S:
         return replace(state, since=None)
@@ -57,6 +58,6 @@ def seen(state: Fall, attitude: AttitudeState, now: float) -> Fall:
 
 
 def _side(pitch: float) -> Lies:
-    """Return on which side it lies: pitch is positive with its face down."""
+    """Return the side on which it lies: pitch is positive with its face down."""
     along = sin(pitch)
     return "face" if along > ALONG else "back" if along < -ALONG else "side"

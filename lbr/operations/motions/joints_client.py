@@ -1,4 +1,4 @@
-"""Joints operation as motions sees it: borrowed for one motion after another, and what became of it."""
+"""Joints operation as a client sees it: leased for one motion after another, with the results."""
 
 from collections.abc import Callable
 from math import inf
@@ -36,7 +36,7 @@ class Context(Transport, Protocol):
 
 
 class JointsClient:
-    """The joints. `happened` is told what the kernel needs to know, from within `step`."""
+    """A client of the joints. `step` calls `happened` with the kernel's events."""
 
     def __init__(self, ctx: Context, happened: Callable[[Event], None]) -> None:
         self._ctx = ctx
@@ -51,13 +51,13 @@ class JointsClient:
 
     @property
     def trouble(self) -> Reason | None:
-        """Return why the joints would not follow, or nothing."""
+        """Return why the joints would not follow, or None."""
         names = self._ctx.targets("move")
         gone = names and not any(self._ctx.alive(name) for name in names)
         return Reason("unreachable", f"joints operation ({', '.join(names)}) is not running") if gone else None
 
     def follow(self, command: JointsCommand) -> None:
-        """Go this way from now on; `Accepted` or `Lost` follows."""
+        """Send a command in place of the present motion; `Accepted` or `Lost` follows."""
         self._wanted = command
         if self._lease is None:
             self._first = command
@@ -66,12 +66,12 @@ class JointsClient:
             self._asked = self._lease.send(command)
 
     def append(self, command: JointsCommand) -> None:
-        """Go on so afterwards."""
+        """Append a command to the motion."""
         if self._lease is not None:
             self._lease.send(command)
 
     def halt(self, why: str, *, lost: bool = False, by: str = "", at_once: bool = False) -> None:
-        """Stop the joints; `lost`: the sender that moved them is gone; `by`: who stopped them; `at_once`: hold."""
+        """Stop the joints; `lost`: their mover is gone; `by`: the sender of the stop; `at_once`: hold without a step."""
         if self._lease is not None:
             self._lease.release(why, lost=lost, by=by, at_once=at_once)
         elif (by or at_once) and self._feet_s is not None:
@@ -79,12 +79,12 @@ class JointsClient:
         self.abandon()
 
     def abandon(self) -> None:
-        """Leave the joints to themselves, or to others."""
+        """Give up the lease without a command."""
         self._lease = self._asked = None
         self._first = self._wanted = None
 
     def step(self) -> None:
-        """Read what the joints say, and renew."""
+        """Read the joints' messages, and renew the lease."""
         if self._lease is not None:
             self._listen(self._lease)
         for received in self._ctx.take("ended"):
@@ -110,7 +110,7 @@ class JointsClient:
                 self._happened(Accepted(goal=reply.goal, note=_note(reply)))
 
     def _accepted_first(self, lease: LeaseClient, reply: CommandReply) -> None:
-        """Tell that it is granted, or go on at once with what was wanted instead in the meantime."""
+        """Report the acceptance, or send at once the command that has replaced the first meanwhile."""
         first, self._first = self._first, None
         if self._wanted is first or self._wanted is None:
             self._happened(Accepted(goal=reply.goal, note=_note(reply)))

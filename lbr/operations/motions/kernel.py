@@ -1,4 +1,4 @@
-"""The decisions of motions, as a pure function of what is known, what happened and when."""
+"""The decisions of motions, as a pure function of state, event and time."""
 
 from math import inf
 
@@ -36,18 +36,16 @@ Decision = tuple[State, Outputs]
 ANSWER_S = 1.5
 """The wait of a motion for joints operation to answer; its own lease counts from then on."""
 AHEAD_S = 4.0
-"""The length of motion that lies ahead of the joints: enough for any pause of this process, little enough to compute.
-"""
+"""The duration of motion sent ahead: enough for any pause of this process, little enough to compute."""
 AHEAD_FRAMES = MAX_FRAMES // 2
-"""And no more than that, however short they are: the joints take no more than `MAX_FRAMES`."""
+"""The limit of frames ahead, however short they are: the joints accept no more than `MAX_FRAMES`."""
 GRACE_S = 0.2
-"""The end of a goal of the joints may arrive a little later than the death of its lease."""
+"""The delay after the end of their lease by which the result of the joints may arrive."""
 ENDINGS: dict[str, Ending] = {"stopped": "stopped", "superseded": "superseded"}
 
 
 def decide(state: State, event: Event, now: float) -> Decision:
-    """Return the state after an event and what is to be said; whatever is over by `now` ends before the event
-    counts."""
+    """Return the state after an event, and the outputs; what is over by `now` ends before the event counts."""
     if now >= state.clock:
         held, reports = ending.lapse(state.leases, now)
     else:
@@ -61,7 +59,7 @@ def decide(state: State, event: Event, now: float) -> Decision:
 def _handle(state: State, event: Event, now: float) -> Decision:
     match event:
         case Play():
-            state, ended = _late(state, now, 0.0)  # a lease whose joints are lost begins nothing else
+            state, ended = _late(state, now, 0.0)  # with its joints lost a lease begins nothing else
             state, outputs = _play(state, event, now)
             decision = state, ended + outputs
         case Stop():
@@ -105,7 +103,7 @@ def _play(state: State, event: Play, now: float) -> Decision:
 
 
 def _refusal(ask: Ask[Playing], event: Play) -> Reason | None:
-    """Return why a command is refused, or nothing."""
+    """Return why a command is refused, or None."""
     return (
         rules.form(ask)
         or _busy(ask.leases.live, ask.request.lease, take_over=ask.request.take_over)
@@ -116,7 +114,7 @@ def _refusal(ask: Ask[Playing], event: Play) -> Reason | None:
 
 
 def _busy(lease: Lease[Playing] | None, lease_id: str, *, take_over: bool) -> Reason | None:
-    """One motion at a time."""
+    """Refuse a second motion."""
     if lease is None or lease_id or take_over:
         return None
     why = f"busy: '{lease.motion.programme.motion.name}' is played by {lease.source}; stop it, or take over"
@@ -124,7 +122,7 @@ def _busy(lease: Lease[Playing] | None, lease_id: str, *, take_over: bool) -> Re
 
 
 def _begin(state: State, ask: Ask[Playing], playing: Playing) -> Decision:
-    """Ask the joints for the first key frames; the answer to the player waits for theirs."""
+    """Send the first key frames to the joints; the reply to the player waits for theirs."""
     if ask.confirms is not None:
         playing = replace(playing, goal=ask.confirms.motion.goal)
     before, now = state.lease, ask.now
@@ -139,7 +137,7 @@ def _begin(state: State, ask: Ask[Playing], playing: Playing) -> Decision:
 
 
 def _next_leg(state: State, playing: Playing, now: float) -> Decision:
-    """Go on from where the joints came to rest, with what they cannot do in one go with what was before."""
+    """Continue after the joints have come to rest, with the next part, which they cannot join to the last."""
     send = replace(_leg(playing, playing.sent), asked_s=now, leg=True)
     sent = playing.sent + (len(send.frames) or 1)
     playing = replace(playing, leg=playing.sent, passed=playing.sent, sent=sent, joints_goal="")
@@ -172,7 +170,7 @@ def _lost(state: State, event: Lost, now: float) -> Decision:
 
 
 def _late(state: State, now: float, grace_s: float = GRACE_S) -> Decision:
-    """End what lost the joints, if they have not said themselves how."""
+    """End a motion that lost the joints, if their own result has not arrived."""
     lease = state.lease
     if lease is None or not now - lease.motion.lost_at >= grace_s:
         return state, ()
@@ -200,7 +198,7 @@ def _joints_ended(state: State, result: GoalResult, now: float) -> Decision:
 
 
 def _joints_stopped(state: State, event: JointsStopped, now: float) -> Decision:
-    """End and take back what was asked for before; the joints have stopped by themselves."""
+    """End earlier motions and offers after a stop of the joints themselves."""
     held = state.leases
     earlier = tuple(offer for offer in held.offers if not offer.asked_s > event.at)
     held = replace(held, stopped=max(held.stopped, min(event.at, now)))
@@ -214,7 +212,7 @@ def _joints_stopped(state: State, event: JointsStopped, now: float) -> Decision:
 
 
 def _played(playing: Playing, result: GoalResult, now: float) -> Reason:
-    """Say that all was played, and what the joints have to say against that."""
+    """Return the reason of a completed motion, with the joints' note."""
     programme = playing.programme
     times = f"{programme.times} times " if programme.times > 1 else ""
     text = f"'{programme.motion.name}' was played {times}to its end in {now - playing.started:.1f} s"
@@ -226,7 +224,7 @@ def _noticed(state: State, event: Passed | Fell, now: float) -> Decision:
     if isinstance(event, Passed):
         return _passed(state, event), ()
     why = Reason("fallen", f"the robot has fallen, it lies {event.how}")
-    if state.lease is None:  # what it played is over, but the joints may be on their way to its feet
+    if state.lease is None:  # its motion is over, but the joints may be stepping to its feet
         return state, (Halt(why=why.text, at_once=True),)
     return _end(state, "fault", why, now)
 
@@ -240,7 +238,7 @@ def _passed(state: State, event: Passed) -> State:
 
 
 def _feed(state: State, now: float) -> Decision:
-    """Send more key frames while there are any and too few lie ahead."""
+    """Send more key frames if some remain and too few lie ahead."""
     lease = state.lease
     if lease is None or lease.motion.asked or lease.motion.lost or not now < lease.expires:
         return state, ()
@@ -263,7 +261,7 @@ def _end(state: State, how: Ending, why: Reason, now: float) -> Decision:
 
 
 def _take(state: State, said: ending.Said[Playing], now: float, *, goes_on: bool = False) -> Decision:
-    """Return what follows from the end of holds; `goes_on`: another motion begins at once with the same joints."""
+    """Return the outputs for ended leases; `goes_on`: another motion begins at once with the same joints."""
     outputs: Outputs = ()
     for one in said:
         outputs += (one,) if isinstance(one, Happened) else _ended(one, now, goes_on=goes_on)
@@ -285,11 +283,11 @@ def _ended(ended: Ended[Playing], now: float, *, goes_on: bool) -> Outputs:
 
 
 def _halted(outputs: Outputs, event: Stop) -> Outputs:
-    """Say whose stop it is that the joints are told of: it may reach them by other ways too, and more than once."""
+    """Return the outputs with the sender of the stop; it may reach the joints by other ways too, and more than once."""
     by = event.by or event.source
     halts = tuple(replace(one, by=by) if isinstance(one, Halt) else one for one in outputs)
-    told = any(isinstance(one, Halt | Abandon) for one in halts)
-    return halts if told or event.lost else (Halt(why=f"stopped by {by}", by=by), *halts)
+    sent = any(isinstance(one, Halt | Abandon) for one in halts)
+    return halts if sent or event.lost else (Halt(why=f"stopped by {by}", by=by), *halts)
 
 
 def _with(state: State, playing: Playing, *, expires: float | None = None) -> State:

@@ -1,4 +1,4 @@
-"""The pose that the joints have: as a key frame, and how long the way from it takes. Pure."""
+"""The pose of the joints: as a key frame, and the time to another. Pure."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import degrees, isfinite, radians
@@ -8,18 +8,16 @@ from lbr.messages.joints import Joint, JointsState, JointState, KeyFrame
 
 OLDEST_S = 0.3
 BEYOND_RAD = radians(1.0)
-"""So far outside its limits a joint may be and is taken as standing at the limit: servos are no more exact than
-that."""
+"""The distance beyond its limits at which a joint counts as standing at the limit: servos are no more exact."""
 STEEPEST = 1.5
-"""The speed of a smooth way from rest to rest in its middle, by that of a straight one."""
+"""The greatest speed of a smooth way from rest to rest, as a multiple of a straight one."""
 LONGEST_S = 30.0
 DIGITS = 4
-MOST_TOLD = 4
+MOST_NAMED = 4
 
 
 def key_frame(joints: Sequence[Joint], state: JointsState, duration_s: float) -> KeyFrame:
-    """Return the pose of all joints; raise InputError naming those that were not measured or are out of their
-    limits."""
+    """Return the pose of all joints; raise InputError naming those not measured or out of their limits."""
     if not joints:
         raise InputError("there are no joints among the rows, so there is no pose")
     if missing := _several(_missing(joint, state.joints.get(joint.name)) for joint in joints):
@@ -32,7 +30,7 @@ def key_frame(joints: Sequence[Joint], state: JointsState, duration_s: float) ->
 
 
 def reach_s(joints: Sequence[Joint], state: JointsState, frame: KeyFrame, *, mirror: bool) -> float:
-    """Return the time that the joints need to a key frame from where they are, or are to be, if none is too fast."""
+    """Return the time of the joints to a key frame, from their target or position, within all speed limits."""
     known = {joint.name: joint for joint in joints}
     longest_s = 0.0
     for name, angle_rad in frame.positions.items():
@@ -56,7 +54,7 @@ def _present(state: JointState | None) -> float | None:
 
 
 def _missing(joint: Joint, state: JointState | None) -> str:
-    """Return why a joint's angle is not known, or nothing."""
+    """Return why a joint's angle is unknown, or an empty string."""
     if state is None:
         return f"{joint.name} (servo {joint.device_id}) is not among the states"
     if state.position_rad is None or not isfinite(state.position_rad):
@@ -68,7 +66,7 @@ def _missing(joint: Joint, state: JointState | None) -> str:
 
 
 def _beyond(joint: Joint, angle_rad: float) -> str:
-    """Return how far a joint is outside its limits, or nothing."""
+    """Return how far a joint is outside its limits, or an empty string."""
     if joint.lower_rad - BEYOND_RAD <= angle_rad <= joint.upper_rad + BEYOND_RAD:
         return ""
     limits = f"{degrees(joint.lower_rad):.1f} to {degrees(joint.upper_rad):.1f}"
@@ -80,7 +78,7 @@ def _clipped(joint: Joint, angle_rad: float) -> float:
 
 
 def _several(whys: Iterable[str]) -> str:
-    """Say the first few of what is wrong, and how many more there are."""
-    told = [why for why in whys if why]
-    more = f", and {len(told) - MOST_TOLD} more" if len(told) > MOST_TOLD else ""
-    return "; ".join(told[:MOST_TOLD]) + more
+    """Return the first few errors, and the number of the others."""
+    errors = [why for why in whys if why]
+    more = f", and {len(errors) - MOST_NAMED} more" if len(errors) > MOST_NAMED else ""
+    return "; ".join(errors[:MOST_NAMED]) + more

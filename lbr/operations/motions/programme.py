@@ -1,6 +1,6 @@
-"""The programme that is played, step by step: a lead-in, the motion this many times, a lead-out. Pure.
+"""The programme of a play, step by step: a lead-in, the motion this many times, a lead-out. Pure.
 
-A step is a key frame; or a motion that the robot's own controller keeps, as a whole.
+A step is a key frame, or a whole motion stored in the robot's own controller.
 """
 
 from collections.abc import Iterable, Mapping
@@ -14,12 +14,12 @@ from lbr.names import did_you_mean
 
 LONGEST_FRAME_S = 60.0
 MOST_SENT = 50
-"""Key frames in one message; joints operation computes their ways between two setpoints."""
+"""The most key frames in one message; joints operation computes their ways between two setpoints."""
 MOST_BYTES = 40_000
 
 
 class Place(Struct, frozen=True):
-    """Where in a programme a step is; `frame` and `round` count from 1."""
+    """The place of a step in a programme; `frame` and `round` count from 1."""
 
     motion: str
     frame: int
@@ -28,7 +28,7 @@ class Place(Struct, frozen=True):
 
 
 class Programme(Struct, frozen=True):
-    """A motion as it is to be played, with a lead-in and a lead-out that may be empty."""
+    """A motion to play, with an optional lead-in and lead-out."""
 
     motion: Motion
     lead_in: Motion | None
@@ -39,17 +39,17 @@ class Programme(Struct, frozen=True):
 
     @property
     def length(self) -> int:
-        """Return how many steps there are."""
+        """Return the number of steps."""
         return _steps(self.lead_in) + self.times * _steps(self.motion) + _steps(self.lead_out)
 
     @property
     def duration_s(self) -> float:
-        """Return how long all of it takes, but for the way to where it begins."""
+        """Return the total time, without the way to its beginning."""
         rest_s = self.times * _lasts_s(self.motion) + _lasts_s(self.lead_out)
         return (_lasts_s(self.lead_in) + rest_s) / self.speed
 
     def at(self, index: int) -> KeyFrame:
-        """Return a key frame, counted from 0, as fast as it is to be played; of what the controller keeps, the last."""
+        """Return a key frame, counted from 0, at the played speed; for a motion of the controller its last."""
         motion, place = self._find(index)
         if motion.slot is not None:
             return KeyFrame(positions=_pose(motion), duration_s=_lasts_s(motion), stable=_stable(motion))
@@ -57,11 +57,11 @@ class Programme(Struct, frozen=True):
         return KeyFrame(positions=frame.positions, duration_s=frame.duration_s / self.speed, stable=frame.stable)
 
     def place(self, index: int) -> Place:
-        """Return where a step is; after the last, it is the last."""
+        """Return the place of a step; after the end it is the last."""
         return self._find(min(index, self.length - 1))[1]
 
     def stored(self, index: int) -> StoredMotion | None:
-        """Return what the controller is to play as this step, or None if it is a key frame."""
+        """Return the controller's motion for this step, or None if it is a key frame."""
         motion, _ = self._find(index)
         if motion.slot is None:
             return None
@@ -74,7 +74,8 @@ class Programme(Struct, frozen=True):
         )
 
     def leg_end(self, start: int) -> int:
-        """Return where the joints come to rest that begin at a step: after key frames up to the next that are not."""
+        """Return the step at which the joints come to rest after a start: the end of the key frames up to a stored
+        motion."""
         if self.stored(start) is not None:
             return start + 1
         body = _steps(self.lead_in)
@@ -83,7 +84,7 @@ class Programme(Struct, frozen=True):
         return next(ends, self.length)
 
     def portion(self, start: int) -> tuple[KeyFrame, ...]:
-        """Return the key frames from `start` on that fit into one message; none where the controller plays."""
+        """Return the key frames from `start` on that fit into one message; empty where the controller plays."""
         if self.stored(start) is not None:
             return ()
         frames: list[KeyFrame] = []
@@ -107,7 +108,7 @@ class Programme(Struct, frozen=True):
 
 
 def programme(motions: Iterable[Motion], command: PlayCommand) -> Programme:
-    """Return what a command wants to be played; raise InputError saying why it cannot be."""
+    """Return the programme for a command; raise InputError with the reason if it cannot be played."""
     known = {motion.name: motion for motion in motions}
     if command.motion not in known:
         raise InputError(
@@ -167,12 +168,12 @@ def _lasts_s(motion: Motion | None) -> float:
 
 
 def _stable(motion: Motion) -> bool:
-    """Return whether the robot stands where key frames lead."""
+    """Return whether the robot stands after the last key frame."""
     return bool(motion.frames) and motion.frames[-1].stable
 
 
 def _pose(motion: Motion) -> dict[str, float]:
-    """Return where key frames lead: the last that each joint is named by."""
+    """Return the final pose of key frames: the last position of each joint."""
     pose: dict[str, float] = {}
     for frame in motion.frames:
         pose |= frame.positions

@@ -26,9 +26,9 @@ PHRASING = Phrasing(noun="the motions", rest="stop, or pause, before playing aga
 
 
 class Play(Struct, frozen=True, kw_only=True):
-    """A sender wants a motion to be played, or renews that; without a programme it cannot be, for this reason.
+    """A sender's request to play a motion, or to renew it; without a programme it is refused, for `reason`.
 
-    `trouble` is why joints operation would not follow, or nothing.
+    `trouble` is the reason why joints operation would not follow, or None.
     """
 
     ask: LeaseRequest
@@ -39,14 +39,14 @@ class Play(Struct, frozen=True, kw_only=True):
 
 
 class Accepted(Struct, frozen=True, kw_only=True):
-    """Joints operation follows: its own goal, and what it has to say."""
+    """Joints operation follows: its own goal, and its note."""
 
     goal: str
     note: Reason | None = None
 
 
 class Lost(Struct, frozen=True, kw_only=True):
-    """Joints operation does not follow, or not any more."""
+    """Joints operation does not follow, or no longer."""
 
     why: Reason
 
@@ -58,14 +58,14 @@ class JointsEnded(Struct, frozen=True, kw_only=True):
 
 
 class JointsStopped(Struct, frozen=True, kw_only=True):
-    """The joints themselves were stopped: what was asked for by `at` does not begin."""
+    """The joints themselves were stopped: motions requested by `at` do not begin."""
 
     at: float
     why: Reason
 
 
 class Passed(Struct, frozen=True, kw_only=True):
-    """The number of key frames of a goal of joints operation that lie behind."""
+    """The number of passed key frames of a goal of joints operation."""
 
     goal: str
     frames: int
@@ -78,23 +78,23 @@ class Fell(Struct, frozen=True, kw_only=True):
 
 
 class Tick(Struct, frozen=True, kw_only=True):
-    """Time goes by."""
+    """The time of a round."""
 
 
 Event = Play | Stop | EstopChanged | Accepted | Lost | JointsEnded | JointsStopped | Passed | Fell | Tick
 
 
 class Answer(Struct, frozen=True, kw_only=True):
-    """The answer to the sender that waits for a motion to begin."""
+    """The reply to the sender that waits for a motion to begin."""
 
     message: CommandReply
 
 
 class Send(Struct, frozen=True, kw_only=True):
-    """Key frames for the joints: instead of what they do, or after it. The sender waits for their answer.
+    """Key frames for the joints, in place of their motion, or after it. The sender waits for their reply.
 
-    `asked_s` is when that was; what is appended bears none. `stored` is for their controller, instead of key frames.
-    `leg`: they came to rest in the middle of what is played, and no sender waits for the answer.
+    `asked_s` is the time of the request; appended frames have none. `stored` is for their controller, instead of key
+    frames. `leg`: the joints came to rest in the middle of the play, and no sender waits for the reply.
     """
 
     frames: tuple[KeyFrame, ...]
@@ -107,8 +107,8 @@ class Send(Struct, frozen=True, kw_only=True):
 
 
 class Halt(Struct, frozen=True, kw_only=True):
-    """The joints are to be stopped; `lost`: the sender that had it played is gone; `by`: who said so; `at_once`: they
-    do not step to their feet."""
+    """A stop of the joints. `lost`: the motion's sender is gone. `by`: the sender of the stop. `at_once`: without a
+    step."""
 
     why: str
     lost: bool = False
@@ -125,11 +125,10 @@ Outputs = tuple[Output, ...]
 
 
 class Playing(Struct, frozen=True, kw_only=True):
-    """A motion under way: `sent` of its steps were sent, `passed` lie behind; the joints began from rest with step
-    `leg`.
+    """A current motion: `sent` of its steps were sent, `passed` lie behind; from rest the joints began with step `leg`.
 
-    `asked`: joints operation has not answered yet; `joints_goal` is its name for it. `lost` is why its lease is no
-    more, since `lost_at`.
+    `asked`: joints operation has not replied yet; `joints_goal` is its name for it. `lost` is the reason for the lost
+    lease, since `lost_at`.
     """
 
     goal: str
@@ -145,7 +144,7 @@ class Playing(Struct, frozen=True, kw_only=True):
 
 
 class State(Struct, frozen=True, kw_only=True):
-    """Everything the kernel remembers; `clock` is the time of the last event."""
+    """The whole state of the kernel; `clock` is the time of the last event."""
 
     leases: LeaseTable[Playing]
     clock: float = -inf
@@ -157,5 +156,5 @@ class State(Struct, frozen=True, kw_only=True):
 
 
 def first_state(ttl_s: float, began: float = -inf) -> State:
-    """Return that nothing is played since it `began`."""
+    """Return the state with nothing played since it `began`."""
     return State(leases=first(PHRASING, ttl_s, began=began))

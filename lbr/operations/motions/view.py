@@ -1,11 +1,11 @@
-"""Make the public state of the motions."""
+"""The public state of the motions."""
 
 from lbr.messages.joints import MotionsState
 from lbr.operations.motions.state import State
 
 
 def motions_state(state: State) -> MotionsState:
-    """Return what the world may know."""
+    """Return the published state."""
     lease = state.lease
     if lease is None or lease.motion.asked:
         return MotionsState(playing=False, reason=state.leases.reason.text, code=state.leases.reason.code)

@@ -1,4 +1,4 @@
-"""Odometry: how far the base went, from the wheels' encoders and the attitude."""
+"""Odometry: the way of the base, from the wheels' encoders and the attitude."""
 
 from typing import Annotated
 
@@ -14,7 +14,7 @@ from lbr.messages.odometry import OdometryState
 class OdometrySettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `odometry`.
 
-    `track_m`: the distance between the wheels as turns on the spot show it, more than a ruler does. Rows of `wheel`
+    `track_m`: the distance between the wheels by turns on the spot, which exceeds that by a ruler. Rows of `wheel`
     replace it and `wheel_diameter_m`. Stalled: a wheel with `stall_power` or `stall_a` that counts nothing for
     `stall_s`. Slipping: wheels and attitude differ by `slip_dps` and by `slip_share` of the faster, for `slip_s`.
     """

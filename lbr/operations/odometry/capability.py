@@ -1,4 +1,4 @@
-"""The process around the reckoning: feeds it what arrives, and publishes what it says each time the motors tell."""
+"""The process around the reckoning: it adds arrivals, and publishes the result after each state of the motors."""
 
 import secrets
 
@@ -13,7 +13,7 @@ SILENT_PERIOD_S = 0.5
 
 
 class Odometry(Capability[OdometrySettings]):
-    """Odometry: an answer to each of the motors' states."""
+    """Publishes odometry after each state of the motors."""
 
     rate_hz = 25.0
     woken_by_streams = False
@@ -22,31 +22,31 @@ class Odometry(Capability[OdometrySettings]):
         super().__init__(ctx)
         self._base = base_of(ctx.rows(Kinematics), ctx.rows(Wheel), ctx.settings.track_m)
         self._reckoning = self._fresh()
-        self._said_s = 0.0
+        self._published_s = 0.0
 
     def open(self) -> None:
-        """Begin to count from zero."""
+        """Start to count from zero."""
         self._reckoning = self._fresh()
         self._publish()
 
     def step(self) -> None:
-        """Take in what arrived, and tell."""
+        """Process arrived messages, and publish."""
         for received in self.ctx.take("attitude"):
             self._reckoning.look(received.message)
         arrived = self.ctx.take("motors")
         for received in arrived:
             self._reckoning.count(received.message, received.arrived)
         self._reckoning.silence(self.ctx.clock())
-        if arrived or self.ctx.clock() - self._said_s >= SILENT_PERIOD_S:
+        if arrived or self.ctx.clock() - self._published_s >= SILENT_PERIOD_S:
             self._publish()
 
     def lacks(self) -> Reason | None:
-        """Return that the motors have reported nothing yet, or nothing."""
+        """Return that the motors have reported nothing yet, or None."""
         return self.awaited("motors")
 
     def _fresh(self) -> Reckoning:
         return Reckoning(self.ctx.settings, secrets.token_hex(3), self._base)
 
     def _publish(self) -> None:
-        self._said_s = self.ctx.clock()
+        self._published_s = self.ctx.clock()
         self.ctx.publish("state", self._reckoning.state())

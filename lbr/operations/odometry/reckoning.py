@@ -1,5 +1,4 @@
-"""From encoder counts to how far the base went. No I/O and no clock of its own: the same events give the same
-states."""
+"""The way of the base from encoder counts. No I/O and no clock of its own: the same events give the same states."""
 
 from collections import deque
 from dataclasses import dataclass, field
@@ -12,17 +11,17 @@ from lbr.messages.odometry import OdometryState
 from lbr.operations.odometry import OdometrySettings
 
 WRAP = 2**32
-"""Counts are signed 32-bit numbers and go round."""
+"""The range of counts, signed 32-bit numbers that wrap around."""
 JUMP_M = 0.1
 JUMP_SHARE = 2.0
 LOOK_S = 0.2
-"""An attitude older than this turns nothing; one at rest counts from when the wheels rested last."""
+"""The age limit of an attitude for a turn; one at rest counts from the last rest of the wheels."""
 NO_COUNTS = "the motor controller tells no encoder counts; look at its encoders' settings"
 
 
 @dataclass(frozen=True, slots=True)
 class _Mark:
-    """Where the wheels and the body were at a time: metres along each motor's wheels, radians anticlockwise."""
+    """Positions of wheels and body at a time: metres along each motor's wheels, radians anticlockwise."""
 
     time_s: float
     wheels_m: tuple[float, ...]
@@ -31,7 +30,7 @@ class _Mark:
 
 @dataclass(slots=True)
 class _Run:
-    """The counts of one epoch. `idle_s`: the time that the wheels of each motor were pushed and stood."""
+    """The counts of one epoch. `idle_s`: the time for which the wheels of each motor were pushed and stood."""
 
     wheels_m: tuple[float, ...]
     idle_s: tuple[float, ...]
@@ -48,7 +47,7 @@ class _Run:
 
 
 class Reckoning:
-    """Takes what motors and attitude say, and says by `state` what follows."""
+    """Adds the states of motors and attitude; `state` returns the result."""
 
     def __init__(self, settings: OdometrySettings, name: str, base: Base | None = None) -> None:
         self._settings = settings
@@ -66,18 +65,18 @@ class Reckoning:
 
     @property
     def epoch(self) -> str:
-        """Name the count of distance that goes on now."""
+        """Return the name of the current count of distance."""
         return f"{self._name}-{self._epochs}"
 
     def look(self, attitude: AttitudeState) -> None:
-        """Take in the attitude; what is not valid is not used."""
+        """Add the attitude; an invalid one is not used."""
         turned_deg = attitude.turned_deg
         known = attitude.valid and turned_deg is not None and isfinite(turned_deg) and isfinite(attitude.measured_s)
         self._look_rests = attitude.rests
         self._look = (attitude.epoch, turned_deg, attitude.measured_s) if known and turned_deg is not None else None
 
     def count(self, motors: MotorsState, now: float) -> None:
-        """Take in the motors' state, which came now."""
+        """Add the motors' state, which arrived now."""
         counts = self._counts(motors)
         if counts is None:
             self._fail(NO_COUNTS if motors.reason == "" or motors.armed else f"{NO_COUNTS} ({motors.reason})")
@@ -97,7 +96,7 @@ class Reckoning:
             _difference(new, old) * metres for new, old, metres in zip(counts, before, self._per_count_m, strict=True)
         )
         most_m = JUMP_M + JUMP_SHARE * self._settings.max_speed_mps * elapsed_s
-        if max(map(abs, way_m)) > most_m:  # the controller began to count from zero: how far it went is not known
+        if max(map(abs, way_m)) > most_m:  # the controller began to count from zero: the way is unknown
             self._begin_anew()
             self._run.counts = counts
             self._start(now)
@@ -109,13 +108,13 @@ class Reckoning:
         self._feel(motors, way_m, elapsed_s)
 
     def silence(self, now: float) -> None:
-        """Look whether the motors have been silent for too long."""
+        """Check whether the motors have been silent for too long."""
         silent_s = max(self._settings.silent_s, RESTS_S) if self._rests else self._settings.silent_s
         if not self._trouble and not now - self._run.counted_s <= silent_s:
             self._fail(f"the motor driver has been silent for more than {silent_s:g} s")
 
     def state(self) -> OdometryState:
-        """Return what is known."""
+        """Return the current state."""
         if self._trouble:
             return OdometryState(valid=False, epoch=self.epoch, reason=self._trouble)
         twist, turn_rps = self._speeds()
@@ -149,7 +148,7 @@ class Reckoning:
         return _Run(wheels_m=rest, idle_s=rest)
 
     def _counts(self, motors: MotorsState) -> tuple[int, ...] | None:
-        """Return the counts of each motor, in the order of the base's; None if one is not told."""
+        """Return the counts of each motor, in the order of the base's; None if one is missing."""
         each = motors.each
         counts = [each[name].counts if name in each else None for name in self._base.motors]
         return None if None in counts else tuple(count for count in counts if count is not None)
@@ -177,8 +176,7 @@ class Reckoning:
         self._run.by_body = by_body_rad is not None
 
     def _turned_rad(self) -> float | None:
-        """Return how far the body turned since the last counts by the attitude, anticlockwise; None if it is not
-        known."""
+        """Return the turn of the body since the last counts by the attitude, anticlockwise; None if unknown."""
         before, self._run.seen = self._run.seen, self._look
         if before is None or self._look is None or before[0] != self._look[0]:
             return None
@@ -186,7 +184,7 @@ class Reckoning:
         return -radians(self._look[1] - before[1]) if self._run.counted_s - looked_s <= LOOK_S else None
 
     def _feel(self, motors: MotorsState, way_m: tuple[float, ...], elapsed_s: float) -> None:
-        """Look whether a wheel stands that is pushed, and whether the wheels turn otherwise than the body."""
+        """Detect a pushed wheel that stands, and wheels that turn differently from the body."""
         settings = self._settings
         each = motors.each
         wheels = [each[name] for name in self._base.motors]
@@ -205,7 +203,7 @@ class Reckoning:
         self._run.slip_s = self._run.slip_s + elapsed_s if slips else 0.0
 
     def _speeds(self) -> tuple[Twist, float]:
-        """Return how the base moves by its wheels, and how fast the body turns, over the last moments."""
+        """Return the motion of the base by its wheels, and the turn of the body, over the last moments."""
         first, last = self._run.marks[0], self._run.marks[-1]
         elapsed_s = last.time_s - first.time_s
         if elapsed_s <= 0.0:
@@ -214,6 +212,6 @@ class Reckoning:
         return self._base.twist(speeds), (last.yaw_rad - first.yaw_rad) / elapsed_s
 
 
-def _difference(new: int, old: int) -> int:
-    """Return how far a 32-bit count went from one reading to the next."""
-    return (new - old + WRAP // 2) % WRAP - WRAP // 2
+def _difference(count: int, before: int) -> int:
+    """Return the difference of two readings of a 32-bit count."""
+    return (count - before + WRAP // 2) % WRAP - WRAP // 2

@@ -21,10 +21,10 @@ Deadline = Annotated[float, Meta(gt=0.0, le=600.0, description="seconds")]
 class PowerSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `power`; the defaults are a lithium-polymer battery of three cells.
 
-    `device`: the supply whose row keeps whether it is armed, and its thresholds; `armed`, `warn_v` and `shutdown_v`
-    hold until they are set. Low: below for `hold_s` and `hold_samples` readings; good again: `hysteresis_v` more. Below
+    `device`: the supply whose row stores whether it is armed, and its thresholds; `armed`, `warn_v` and `shutdown_v`
+    apply until then. Low: below for `hold_s` and `hold_samples` readings; good again: `hysteresis_v` more. Below
     `absent_v` the external supply counts as disconnected, if the supply's own battery backs it (`battery_backs`); then
-    `battery_warn_v` and `battery_shutdown_v` count.
+    `battery_warn_v` and `battery_shutdown_v` apply.
 
     Before the shutdown it plays `park_motion` (empty: none) for at most `park_s` and releases the joints within
     `let_go_s`, in any case. `bus`: the D-Bus of logind; empty: the system's.

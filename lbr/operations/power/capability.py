@@ -1,4 +1,4 @@
-"""Power as a capability: readings in, a state out once a second, and the acts of the decision."""
+"""Power as a capability: readings in, a state out once a second, and the tasks of the decision."""
 
 from math import ceil, inf, isfinite
 
@@ -11,21 +11,21 @@ from lbr.messages.speech import SayCommand
 from lbr.operations.power import PowerSettings
 from lbr.operations.power.logind import Answer, Logind, Question
 from lbr.operations.power.parking import Parking
-from lbr.operations.power.state import Answered, Arm, Cancel, Event, Parked, Reading, Task, Tick, Told
+from lbr.operations.power.state import Answered, Arm, Cancel, Event, News, Parked, Reading, Task, Tick
 from lbr.operations.power.watch import begin, decide, refusal
 
 PUBLISH_S = 1.0
 SAY_WITHIN_S = 2.0
 ASK_AGAIN_S = 60.0
 REPLY_S = 0.7
-"""The wait of the sender that arms for the answer whether the computer may be powered off at all."""
+"""The wait of an arming sender for logind's answer about powering off."""
 SPOKEN = frozenset({"supply_low", "shutdown_countdown", "shutdown_failed"})
 REPEATED = frozenset({"supply_low", "supply_good", "supply_unknown", "supply_known"})
-"""News that a voltage between two values, or a bad cable, brings again and again."""
+"""News that a voltage between two thresholds, or a bad cable, repeats again and again."""
 
 
 class Power(Capability[PowerSettings]):
-    """Watches the supply, tells people, and has the computer shut down in time once it is armed."""
+    """Watches the supply, warns people, and shuts the computer down in time once it is armed."""
 
     rate_hz = 20.0
 
@@ -40,18 +40,18 @@ class Power(Capability[PowerSettings]):
         self._parking: Parking | None = None
         self._shown: PowerState | None = None
         self._publish_at = -inf
-        self._told_at: dict[str, float] = {}
+        self._published_at: dict[str, float] = {}
         self._health = ""
         armed, warn_v, shutdown_v = self._stored_thresholds()
         self._watch = begin(armed=armed, warn_v=warn_v, shutdown_v=shutdown_v, now=ctx.clock())
 
     def open(self) -> None:
-        """Ask whether the computer may be powered off at all, if that may be wanted."""
+        """Ask whether the computer may be powered off, if that is armed."""
         if self._watch.armed:
             self._ask_at = self.ctx.clock()
 
     def step(self) -> None:
-        """Take in what the supply says and what came back, and go on."""
+        """Process readings and answers, and continue parking."""
         for received in self.ctx.take("ups"):
             self._ups = received.message
             self._happen(Reading(received.message), received.arrived)
@@ -90,7 +90,7 @@ class Power(Capability[PowerSettings]):
         self._publish()
 
     def close(self) -> None:
-        """Stop asking, and parking."""
+        """Stop questions and parking."""
         self._stop_parking()
         for call, _ in self._waiting:
             call.reply(CommandReply(accepted=True, reason=self._summary()))
@@ -100,8 +100,7 @@ class Power(Capability[PowerSettings]):
             logind.close()
 
     def _stored_thresholds(self) -> tuple[bool, float, float]:
-        """Return what was kept of an earlier run, or else the settings; numbers that cannot be are told and left
-        out."""
+        """Return the stored thresholds, or else the settings; impossible numbers are reported and ignored."""
         stored, settings = values(self.ctx.rows(CalibrationValue)), self.ctx.settings
         warn_v, shutdown_v = stored.get("warn_v", settings.warn_v), stored.get("shutdown_v", settings.shutdown_v)
         if not (isfinite(warn_v) and 0.0 < shutdown_v <= warn_v <= 100.0):
@@ -114,7 +113,7 @@ class Power(Capability[PowerSettings]):
     def _happen(self, event: Event, at: float | None = None) -> None:
         self._watch, tasks = decide(self._watch, event, self.ctx.clock() if at is None else at, self.ctx.settings)
         for task in tasks:
-            if isinstance(task, Told):
+            if isinstance(task, News):
                 self._tell(task)
             else:
                 self._do(task)
@@ -144,7 +143,7 @@ class Power(Capability[PowerSettings]):
 
     @property
     def _pretends(self) -> bool:
-        """Return whether the supply cannot fail: a twin must never power off the computer that it runs on."""
+        """Return whether the supply cannot fail: a twin must never power off the computer on which it runs."""
         return not self.ctx.settings.bus and (self._ups is None or self._ups.emulated)
 
     def _ask(self, question: Question) -> None:
@@ -153,7 +152,7 @@ class Power(Capability[PowerSettings]):
         self._logind.ask(question)
 
     def _ask_can(self) -> None:
-        """Ask whether the computer may be powered off, and later again as long as it may not."""
+        """Ask whether the computer may be powered off, and again later if it may not."""
         self._ask_at = inf
         if self._pretends:
             self._take_answer(Answer("CanPowerOff", "not asked, because the supply is emulated"))
@@ -172,21 +171,21 @@ class Power(Capability[PowerSettings]):
         self._can, self._can_trouble = answer.word or "unknown", answer.trouble
 
     def _reply(self) -> None:
-        """Answer who armed, once it is known what that is worth."""
+        """Reply to arming senders, once logind's answer is known."""
         now = self.ctx.clock()
         due = [(call, until) for call, until in self._waiting if self._can or now >= until]
         for call, until in due:
             self._waiting.remove((call, until))
             call.reply(CommandReply(accepted=True, reason=self._summary()))
 
-    def _tell(self, news: Told) -> None:
+    def _tell(self, news: News) -> None:
         now = self.ctx.clock()
-        if news.kind in REPEATED and now - self._told_at.get(news.kind, -inf) < self.ctx.settings.repeat_s:
+        if news.kind in REPEATED and now - self._published_at.get(news.kind, -inf) < self.ctx.settings.repeat_s:
             return
-        self._told_at[news.kind] = now
+        self._published_at[news.kind] = now
         self.ctx.event(news.kind, news.text, level=news.level, code="done" if news.about else "", about=news.about)
         if news.kind in SPOKEN and self.ctx.targets("say"):
-            self.ctx.ask("say", SayCommand(text=news.text), timeout_s=SAY_WITHIN_S)  # speech says what goes wrong
+            self.ctx.ask("say", SayCommand(text=news.text), timeout_s=SAY_WITHIN_S)  # speech reports its own errors
 
     def _publish(self) -> None:
         now, before = self.ctx.clock(), self._shown
@@ -214,7 +213,7 @@ class Power(Capability[PowerSettings]):
         )
 
     def _unwell(self) -> str:
-        """Return why this does not work as it should, or nothing."""
+        """Return why this capability does not work as it should, or an empty string."""
         watch = self._watch
         if watch.phase == "failed":
             return watch.reason

@@ -1,7 +1,7 @@
-"""Asks logind over D-Bus to power the computer off; in a thread of its own, because answers may take their time.
+"""Questions to logind over D-Bus, to power the computer off; in a thread of its own, because answers may take time.
 
-The calls: `CanPowerOff() -> s` (yes, no, challenge, na) and `PowerOff(b interactive)`, never interactive: no user is
-there to be asked. An act that polkit does not permit comes back as `no`, `challenge` or an error.
+The calls: `CanPowerOff() -> s` (yes, no, challenge, na) and `PowerOff(b interactive)`, never interactive, because no
+user is present. A refusal by polkit comes back as `no`, `challenge` or an error.
 """
 
 import asyncio
@@ -28,7 +28,7 @@ _END_S = 0.2
 
 
 class Answer(NamedTuple):
-    """The answer of logind: `word` or nothing, and `trouble`: the reason not to power off, for people."""
+    """The answer of logind: `word`, or an empty string, and `trouble`: the reason not to power off, for people."""
 
     question: Question
     word: str = ""
@@ -36,7 +36,7 @@ class Answer(NamedTuple):
 
 
 class Logind:
-    """Asks in the background; `answers` has what came, and `wake` is called then."""
+    """Asks in the background; `answers` returns the results, and `wake` is called for each."""
 
     def __init__(self, address: str, timeout_s: float, wake: Callable[[], None]) -> None:
         self._address = address
@@ -48,15 +48,15 @@ class Logind:
         self._thread.start()
 
     def ask(self, question: Question) -> None:
-        """Ask; the answer comes for certain, within the timeout."""
+        """Ask; the answer is certain to come within the timeout."""
         self._questions.put(question)
 
     def answers(self) -> list[Answer]:
-        """Return what was answered since the last call."""
+        """Return the answers since the last call."""
         return [self._answers.get_nowait() for _ in range(self._answers.qsize())]
 
     def close(self) -> None:
-        """Ask no more; a question under way is left to itself."""
+        """Stop asking; a question in progress is abandoned."""
         self._questions.put(None)
         self._thread.join(_END_S)
 
@@ -67,25 +67,25 @@ class Logind:
 
 
 def ask(address: str, question: Question, timeout_s: float) -> Answer:
-    """Ask and wait for the answer; whatever goes wrong is one. `address` is that of a D-Bus, empty for the system's."""
+    """Ask and wait for the answer; an error becomes an answer. `address` is that of a D-Bus, empty for the system's."""
     try:
         reply = asyncio.run(asyncio.wait_for(_call(address, question), timeout_s))
     except TimeoutError:
         return Answer(question, trouble=f"logind does not answer within {timeout_s:g} s")
-    except Exception as err:  # noqa: BLE001 - the library has many; none may end the process, each is told
+    except Exception as err:  # noqa: BLE001 - the library has many; none may end the process
         where = address or "the system's D-Bus"
         why = getattr(err, "strerror", "") or err or type(err).__name__
         return Answer(question, trouble=f"logind cannot be asked at {where}: {why}")
     return reply if isinstance(reply, Answer) else Answer(question, reply, meaning(reply) if reply else "")
 
 
-def meaning(said: str) -> str:
-    """Return why `CanPowerOff` saying this means that it will not, or nothing."""
-    return _MEANINGS.get(said, f"logind says '{said}'")
+def meaning(word: str) -> str:
+    """Return why logind's word forbids powering off, or an empty string."""
+    return _MEANINGS.get(word, f"logind says '{word}'")
 
 
 async def _call(address: str, question: Question) -> Answer | str:
-    """Return what was said, or an error as an answer; a connection of its own, so that none grows old."""
+    """Return logind's word, or an error as an answer; each call has a fresh connection."""
     from dbus_fast import BusType, Message, MessageType
     from dbus_fast.aio import MessageBus
 

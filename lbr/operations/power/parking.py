@@ -1,5 +1,4 @@
-"""Bringing the robot down before the power goes: a motion under a lease that is renewed, then its joints are
-released."""
+"""Parking the robot before the power fails: a motion under a renewed lease, then the release of its joints."""
 
 from lbr.capability.context import Context
 from lbr.leases.client import ANSWER_S, LeaseTarget, PendingReply
@@ -10,7 +9,7 @@ from lbr.messages.leases import CommandReply
 from lbr.operations.power import PowerSettings
 
 RESULT_S = 0.3
-"""The delay after a dead lease by which the result of a motion may arrive."""
+"""The delay after the end of a lease by which the result of a motion may arrive."""
 MOTIONS = LeaseTarget(
     "park", "halt", "player of motions", "the motions do not answer; the joints hold by themselves", result_s=RESULT_S
 )
@@ -18,7 +17,7 @@ AGAIN_S = 0.2
 
 
 class Parking:
-    """One parking. `done` once nothing is left to do; `trouble` is what did not go well, in words."""
+    """One parking. `done` once nothing is left to do; `trouble` has the failures in words."""
 
     def __init__(self, ctx: Context[PowerSettings]) -> None:
         self.done = False
@@ -36,14 +35,14 @@ class Parking:
             self._release_joints()
 
     def step(self) -> None:
-        """Go on; called often."""
+        """Continue; called often."""
         if self._holder.lease is not None:
             self._follow(self._ctx.clock())
         elif not self.done:
             self._release(self._ctx.clock())
 
     def stop(self) -> None:
-        """End it where it is; joints hold, or stay released."""
+        """End it now; joints hold, or stay released."""
         self._holder.release("the shutdown is off")
         self.done = True
 
@@ -61,7 +60,7 @@ class Parking:
         self.done = not self._ctx.targets("let_go")
 
     def _release(self, now: float) -> None:
-        """Release the joints. While another holds them it is refused, so it is tried again until time is up."""
+        """Release the joints; refusals while another holds them are retried until the time limit."""
         answers = self._asked.answers() if self._asked is not None else None
         if answers is not None:
             self._asked = None

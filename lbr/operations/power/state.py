@@ -13,7 +13,7 @@ UNREAD = View(trouble="the supply was not read yet")
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """For how many readings something has been so, and since when."""
+    """The number of successive readings in a condition, and its beginning."""
 
     since_s: float
     samples: int
@@ -21,7 +21,7 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Watch:
-    """The phase. `until_s` is when it ends, `seen_s` when the supply was read last."""
+    """The phase. `until_s` is its end, `seen_s` the time of the last reading."""
 
     armed: bool
     warn_v: float
@@ -40,8 +40,8 @@ class Watch:
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
-    """News for people; `about` is whose command it was that did it."""
+class News:
+    """News for people; `about` is the sender of the command that caused it."""
 
     kind: str
     text: str
@@ -51,14 +51,14 @@ class Told:
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """The supply said something."""
+    """A reading of the supply."""
 
     ups: UpsState
 
 
 @dataclass(frozen=True, slots=True)
 class Arm:
-    """A sender arms or disarms; None: as it was."""
+    """A sender's request to arm or disarm; None leaves a threshold unchanged."""
 
     armed: bool
     warn_v: float | None = None
@@ -68,21 +68,21 @@ class Arm:
 
 @dataclass(frozen=True, slots=True)
 class Cancel:
-    """A sender cancels a shutdown."""
+    """A sender's request to cancel a shutdown."""
 
     sender: str
 
 
 @dataclass(frozen=True, slots=True)
 class Parked:
-    """The robot is down and released, or will never be."""
+    """The end of parking: the robot is down and released, or failed to be."""
 
     trouble: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Answered:
-    """The answer of logind to the request to power off; `pretended`: it was not asked, because nothing here is real."""
+    """The answer of logind to the request to power off; `pretended`: it was not asked, because the supply is emulated."""
 
     trouble: str = ""
     pretended: bool = False
@@ -90,8 +90,8 @@ class Answered:
 
 @dataclass(frozen=True, slots=True)
 class Tick:
-    """Time goes on."""
+    """The time of a round."""
 
 
 Event = Reading | Arm | Cancel | Parked | Answered | Tick
-Outcome = tuple[Watch, tuple[Task | Told, ...]]
+Outcome = tuple[Watch, tuple[Task | News, ...]]

@@ -1,4 +1,4 @@
-"""The meaning of a reading of the supply: which voltage counts now, against which thresholds, or why none. Pure."""
+"""The meaning of a reading of the supply: the deciding voltage and its thresholds, or the reason for neither. Pure."""
 
 from dataclasses import dataclass
 from math import isfinite
@@ -9,7 +9,7 @@ from lbr.operations.power import PowerSettings
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """The voltage that counts, and its thresholds; `source` is whose it is. With `trouble` no voltage counts."""
+    """The deciding voltage, and its thresholds; `source` names its supply. With `trouble` there is no voltage."""
 
     trouble: str = ""
     source: str = ""
@@ -21,22 +21,22 @@ class View:
 
     @property
     def low(self) -> bool:
-        """Return whether the computer has to be shut down if this goes on."""
+        """Return whether the computer must be shut down if this continues."""
         return not self.trouble and self.volts < self.shutdown_v
 
     @property
     def wanting(self) -> bool:
-        """Return whether people should know."""
+        """Return whether people should be warned."""
         return not self.trouble and (self.volts < self.warn_v or self.backed)
 
     @property
     def well(self) -> bool:
-        """Return whether it is good enough to forget a shutdown that was near."""
+        """Return whether the voltage is good enough to end a pending shutdown."""
         return not self.trouble and self.volts >= self.shutdown_v + self.hysteresis_v
 
     @property
     def fine(self) -> bool:
-        """Return whether there is nothing to warn of any more."""
+        """Return whether the voltage is good enough to end a warning."""
         return not self.trouble and not self.backed and self.volts >= self.warn_v + self.hysteresis_v
 
     @property

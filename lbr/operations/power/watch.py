@@ -1,7 +1,7 @@
-"""The file-safe shutdown as a pure decision: state, event and time give the next state and what is to be done.
+"""The file-safe shutdown as a pure decision: state, event and time give the next state and the tasks.
 
-Only readings below the threshold, one after the other, lead to a countdown, and the newest of them has to be below it
-when the countdown ends. From then on only `disarm` and `cancel` come between, until logind was asked.
+Only consecutive readings below the threshold lead to a countdown, and the newest must be below it when the countdown
+ends. After that, until logind is asked, only `disarm` and `cancel` prevent the shutdown.
 """
 
 from dataclasses import replace
@@ -14,30 +14,30 @@ from lbr.operations.power.state import (
     Arm,
     Cancel,
     Event,
+    News,
     Outcome,
     Parked,
     Reading,
     Run,
     Task,
     Tick,
-    Told,
     Watch,
 )
 from lbr.operations.power.supply import View, look
 
 PENDING = frozenset({"countdown", "parking", "failed"})
-"""Phases that a cancel ends."""
+"""The phases that `cancel` ends."""
 TOO_LATE = frozenset({"powering_off", "off"})
 MARGIN_S = 2.0
 
 
 def begin(*, armed: bool, warn_v: float, shutdown_v: float, now: float) -> Watch:
-    """Return how it begins, also after a restart: nothing of an earlier countdown is left."""
+    """Return the initial state, also after a restart: an earlier countdown is forgotten."""
     return Watch(armed, warn_v, shutdown_v, "watching" if armed else "disarmed", seen_s=now)
 
 
 def decide(watch: Watch, event: Event, now: float, settings: PowerSettings) -> Outcome:
-    """Return what follows."""
+    """Return the next state, with its tasks and news."""
     outcome: Outcome = (watch, ())
     match event:
         case Reading():
@@ -56,7 +56,7 @@ def decide(watch: Watch, event: Event, now: float, settings: PowerSettings) -> O
 
 
 def refusal(watch: Watch, event: Arm | Cancel) -> str:
-    """Return why a request is refused, or nothing."""
+    """Return why a request is refused, or an empty string."""
     if watch.phase in TOO_LATE and not _pretends(watch):
         return "too late: the computer is going down"
     if isinstance(event, Cancel):
@@ -72,9 +72,9 @@ def _read(watch: Watch, ups: UpsState, now: float, settings: PowerSettings) -> O
     view = look(ups, watch.warn_v, watch.shutdown_v, settings)
     if view.trouble:
         return _troubled(watch, view, now, settings)
-    if watch.view.backed != view.backed:  # the other source: what was counted of the one says nothing of it
+    if watch.view.backed != view.backed:  # the other source: counts of the first do not apply to it
         watch = replace(watch, low=None, well=None, wanting=None)
-    known: tuple[Told, ...] = (Told("supply_known", view.text, "info"),) if watch.silent else ()
+    known: tuple[News, ...] = (News("supply_known", view.text, "info"),) if watch.silent else ()
     watch = replace(
         watch,
         view=view,
@@ -86,17 +86,17 @@ def _read(watch: Watch, ups: UpsState, now: float, settings: PowerSettings) -> O
     )
     if _well(watch, settings):
         watch = replace(watch, cancelled=False)
-    watch, told = _warn(watch, settings)
-    return watch, (*known, *told)
+    watch, news = _warn(watch, settings)
+    return watch, (*known, *news)
 
 
 def _warn(watch: Watch, settings: PowerSettings) -> Outcome:
     wanting = watch.wanting is not None and watch.wanting.samples >= settings.hold_samples
     if wanting and not watch.warned:
         text = watch.view.text if watch.view.backed else f"{watch.view.text}, below {watch.view.warn_v:g} V"
-        return replace(watch, warned=True), (Told("supply_low", text + _unguarded(watch)),)
+        return replace(watch, warned=True), (News("supply_low", text + _unguarded(watch)),)
     if watch.view.fine and watch.warned:
-        return replace(watch, warned=False), (Told("supply_good", watch.view.text, "info"),)
+        return replace(watch, warned=False), (News("supply_good", watch.view.text, "info"),)
     return watch, ()
 
 
@@ -113,20 +113,20 @@ def _silence(watch: Watch, now: float, settings: PowerSettings) -> Outcome:
 
 
 def _troubled(watch: Watch, view: View, now: float, settings: PowerSettings) -> Outcome:
-    """Leave it at what was counted for a moment, then count from zero and say so: no reading is no low voltage."""
+    """Keep the counts for a moment, then reset them and report that: a missing reading is no low voltage."""
     watch = replace(watch, view=replace(view, backed=watch.view.backed))
     if now - watch.seen_s < settings.stale_s:
         return watch, ()
-    told: tuple[Told, ...] = (
-        () if watch.silent else (Told("supply_unknown", "the voltage is not known" + _unguarded(watch)),)
+    news: tuple[News, ...] = (
+        () if watch.silent else (News("supply_unknown", "the voltage is not known" + _unguarded(watch)),)
     )
-    return replace(watch, silent=True, low=None, well=None, wanting=None), told
+    return replace(watch, silent=True, low=None, well=None, wanting=None), news
 
 
-def _settle(watch: Watch, told: tuple[Task | Told, ...], now: float, settings: PowerSettings) -> Outcome:
-    """Go to the phase that follows from what is known now."""
+def _settle(watch: Watch, news: tuple[Task | News, ...], now: float, settings: PowerSettings) -> Outcome:
+    """Return the phase for the present state."""
     after, more = _next(watch, now, settings)
-    return after, (*told, *more)
+    return after, (*news, *more)
 
 
 def _next(watch: Watch, now: float, settings: PowerSettings) -> Outcome:
@@ -157,61 +157,61 @@ def _guard(watch: Watch, now: float, settings: PowerSettings) -> Outcome:
         text = f"{watch.view.text}, below {watch.view.shutdown_v:g} V: the computer is shut down"
         text += f" in {settings.countdown_s:g} s unless it is cancelled"
         watch = replace(watch, phase="countdown", reason=text, until_s=now + settings.countdown_s)
-        return watch, (Told("shutdown_countdown", text), "ask_can")
+        return watch, (News("shutdown_countdown", text), "ask_can")
     return _rest(watch), ()
 
 
 def _rest(watch: Watch) -> Watch:
     """Return to watching, or to a warning."""
     phase: PowerPhase = "warning" if watch.warned or watch.silent or watch.cancelled else "watching"
-    said = (
+    reason = (
         f"{watch.view.text}; the shutdown was cancelled until it is good again" if watch.cancelled else watch.view.text
     )
-    return replace(watch, phase=phase, reason=said, until_s=inf)
+    return replace(watch, phase=phase, reason=reason, until_s=inf)
 
 
 def _count(watch: Watch, now: float, settings: PowerSettings) -> Outcome:
     if watch.silent:
         text = f"the countdown is off: {watch.view.trouble}"
-        return _rest(watch), (Told("shutdown_off", text),)
+        return _rest(watch), (News("shutdown_off", text),)
     if _well(watch, settings):
-        return _rest(watch), (Told("shutdown_off", f"the countdown is off: {watch.view.text}", "info"),)
+        return _rest(watch), (News("shutdown_off", f"the countdown is off: {watch.view.text}", "info"),)
     if now >= watch.until_s and watch.view.low:
         parking_s = settings.park_s + settings.let_go_s + MARGIN_S
         watch = replace(watch, phase="parking", reason=watch.view.text, until_s=now + parking_s)
-        return watch, (Told("shutdown_parking", f"{watch.view.text}: parking, then shutting down"), "park")
+        return watch, (News("shutdown_parking", f"{watch.view.text}: parking, then shutting down"), "park")
     return watch, ()
 
 
 def _power_off(watch: Watch, trouble: str, now: float, settings: PowerSettings) -> Outcome:
     text = "the computer is asked to power off" + (f"; parking: {trouble}" if trouble else "")
     watch = replace(watch, phase="powering_off", reason=text, until_s=now + settings.answer_s + MARGIN_S)
-    return watch, (Told("shutdown_now", text), "stop_parking", "power_off")
+    return watch, (News("shutdown_now", text), "stop_parking", "power_off")
 
 
 def _pretended(watch: Watch) -> Outcome:
     text = "the supply is emulated: a real robot would power off now, this computer stays on"
-    return replace(watch, phase="off", reason=text, until_s=inf), (Told("shutdown_pretended", text),)
+    return replace(watch, phase="off", reason=text, until_s=inf), (News("shutdown_pretended", text),)
 
 
 def _pretends(watch: Watch) -> bool:
-    """Return whether it is off only so to speak: the computer stays on, and people go on deciding."""
+    """Return whether the shutdown was only pretended: the computer stays on, and commands still work."""
     return watch.phase == "off" and watch.until_s == inf
 
 
 def _answered(watch: Watch, trouble: str, now: float, settings: PowerSettings) -> Outcome:
     if not trouble:
         text = "the computer powers off"
-        return replace(watch, phase="off", reason=text, until_s=now + settings.off_s), (Told("shutdown_agreed", text),)
+        return replace(watch, phase="off", reason=text, until_s=now + settings.off_s), (News("shutdown_agreed", text),)
     text = f"the computer does not power off: {trouble}; tried again in {settings.retry_s:g} s"
     return replace(watch, phase="failed", reason=text, until_s=now + settings.retry_s), (
-        Told("shutdown_failed", text, "error"),
+        News("shutdown_failed", text, "error"),
     )
 
 
 def _try_again(watch: Watch, now: float, settings: PowerSettings) -> Outcome:
     if _well(watch, settings):
-        return _rest(watch), (Told("shutdown_off", f"no shutdown any more: {watch.view.text}", "info"),)
+        return _rest(watch), (News("shutdown_off", f"no shutdown any more: {watch.view.text}", "info"),)
     if now >= watch.until_s and watch.view.low and _low(watch, settings):
         return _power_off(watch, "", now, settings)
     return watch, ()
@@ -224,12 +224,12 @@ def _arm(watch: Watch, event: Arm) -> Outcome:
     shutdown_v = watch.shutdown_v if event.shutdown_v is None else event.shutdown_v
     moved = (warn_v, shutdown_v) != (watch.warn_v, watch.shutdown_v)
     watch = replace(watch, armed=event.armed, warn_v=warn_v, shutdown_v=shutdown_v)
-    if moved:  # what was counted, was counted against other numbers
+    if moved:  # the counts belong to other thresholds
         watch = replace(watch, low=None, well=None, wanting=None, warned=False)
     text = (
         f"warns below {warn_v:g} V, shuts down below {shutdown_v:g} V" if event.armed else "shuts nothing down any more"
     )
-    news = Told("armed" if event.armed else "disarmed", f"{event.sender}: {text}", "info", about=event.sender)
+    news = News("armed" if event.armed else "disarmed", f"{event.sender}: {text}", "info", about=event.sender)
     if not event.armed:
         stop: tuple[Task, ...] = ("stop_parking",) if watch.phase == "parking" else ()
         return replace(watch, phase="disarmed", reason=text, until_s=inf, cancelled=False), (news, "keep", *stop)
@@ -243,7 +243,7 @@ def _cancel(watch: Watch, event: Cancel) -> Outcome:
         return watch, ()
     stop: tuple[Task, ...] = ("stop_parking",) if watch.phase == "parking" else ()
     watch = _rest(replace(watch, cancelled=True))
-    return watch, (Told("shutdown_cancelled", f"{event.sender} cancelled the shutdown; {watch.view.text}"), *stop)
+    return watch, (News("shutdown_cancelled", f"{event.sender} cancelled the shutdown; {watch.view.text}"), *stop)
 
 
 def _low(watch: Watch, settings: PowerSettings) -> bool:

@@ -5,7 +5,7 @@ from random import Random
 import pytest
 from msgspec.structs import replace
 
-from lbr.operations.drive.odometry_view import UNHEARD
+from lbr.operations.drive.odometry_view import UNKNOWN
 from lbr.operations.drive.range_goal import NOISE_M, RangeGoal, driven, is_over, power, read
 from lbr.operations.drive.settings import DriveSettings
 from tests.operations.drive.drive_bench import ranges
@@ -126,7 +126,7 @@ def rests(way, left_m, readings, *, stands=True):
     for _ in range(readings):
         at_s = way.marks[-1][0] + 0.1
         way = read(way, left_m, at_s, 0.0, stands=stands)
-        way = driven(way, UNHEARD, 0.0, 0.1, at_s, DriveSettings())
+        way = driven(way, UNKNOWN, 0.0, 0.1, at_s, DriveSettings())
     return way
 
 

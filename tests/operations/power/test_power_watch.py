@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from lbr.messages.power import UpsState
 from lbr.operations.power import PowerSettings
-from lbr.operations.power.state import Answered, Arm, Cancel, Parked, Reading, Tick, Told
+from lbr.operations.power.state import Answered, Arm, Cancel, News, Parked, Reading, Tick
 from lbr.operations.power.watch import begin, decide, refusal
 
 SETTINGS = PowerSettings(device="ups")
@@ -35,8 +35,8 @@ class Bench:
 
     def happen(self, event):
         self.watch, tasks = decide(self.watch, event, self.now, self.config)
-        self.news += [task for task in tasks if isinstance(task, Told)]
-        self.done += [task for task in tasks if not isinstance(task, Told)]
+        self.news += [task for task in tasks if isinstance(task, News)]
+        self.done += [task for task in tasks if not isinstance(task, News)]
         return self.watch.phase
 
     def read(self, *states):

@@ -8,7 +8,7 @@ from lbr.capability.context import Call, Context
 from lbr.leases.lease import LeaseRequest
 from lbr.messages.beacon import BeaconState, SeekCommand
 from lbr.messages.codes import Reason
-from lbr.operations.lender import LeasingCapability, new_goal, said_by
+from lbr.operations.lender import LeasingCapability, new_goal, origin_of
 from lbr.operations.statistics import Beat
 from lbr.robots.lbr.beacon import BeaconSettings
 from lbr.robots.lbr.beacon.kernel import Begin, Event, Halt, Outputs, Over, Seek, State, Tick, decide, first_state
@@ -74,7 +74,7 @@ class Beacon(LeasingCapability[BeaconSettings, State]):
             lease=command.lease,
             take_over=command.take_over,
             ttl_s=command.ttl_s,
-            **said_by(call),
+            **origin_of(call),
         )
         self.happen(Seek(ask=ask, manoeuvre=command.manoeuvre, new_goal=new_goal(), trouble=self.trouble()), call)
 
