@@ -24,7 +24,7 @@ from lbr.executive.remote.agent import Agent
     help="Holds the host's token. Else it is LBR_TOKEN, a saved one, or asked for.",
 )
 def command(host: str, connect: str, robot: str | None, token_file: Path | None) -> int:
-    """Run a share of a robot that is on another machine: what its launch profile places on HOST.
+    """Run a share of a robot on another machine: the parts that its launch profile places on HOST.
 
     The token comes from 'lbr token add HOST --role host' at the robot. Processes start here, with their logs below this
     machine's LBR_HOME. When contact is lost or the robot shuts down they end, and the agent waits for the robot to come

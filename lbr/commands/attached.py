@@ -1,4 +1,4 @@
-"""The devices of this machine: serial adapters, i2c buses, cameras, receivers, gamepads, input nodes. Opens nothing."""
+"""The devices plugged in here: serial adapters, i2c buses, cameras, receivers, gamepads, input nodes. Opens nothing."""
 
 import os
 import re
@@ -19,9 +19,9 @@ DEV, SYS = Path("/dev"), Path("/sys")
 
 
 class End(Struct, frozen=True, kw_only=True):
-    """One end to which something may be attached: `address` as a device row says it, `path` the kernel's node of now.
+    """One place for a device: `address` as in a device row, `path` the kernel's present node.
 
-    `name` and `serial` are what its adapter or the kernel says, empty if it says none.
+    `name` and `serial` come from its adapter or the kernel, and may be empty.
     """
 
     place: Place
@@ -32,7 +32,7 @@ class End(Struct, frozen=True, kw_only=True):
 
 
 def ends(dev: Path = DEV, sys: Path = SYS) -> list[End]:
-    """Return all ends that there are now, each once, by names that stay where they have such."""
+    """Return all present ends, each once, by a permanent name if it has one."""
     return [*_serial(dev), *_buses(dev), *_named("video", dev, sys), *_named("lirc", dev, sys), *_inputs(dev, sys)]
 
 
@@ -46,14 +46,14 @@ def named(text: str) -> End:
 
 
 def stable(names: list[Path], count: Counter[str], vendor: str, places: list[Path], path: str) -> str:
-    """Return the name of a tty that stays: by what it is if no other is the same, else by where it is plugged in."""
+    """Return the permanent name of a tty: by its device if no other is the same, otherwise by its USB port."""
     if names and count[vendor] < 2:
         return str(names[0])
     return str(places[0]) if places else str(names[0]) if names else path
 
 
 def _serial(dev: Path) -> Iterator[End]:
-    """Yield USB adapters; a machine's own lines may be its console, and are looked at only if a person names them."""
+    """Yield USB adapters. A machine's own lines may be its console, and are only used if a person names them."""
     links, places = _links(dev / "serial/by-id"), _links(dev / "serial/by-path")
     usb = (
         {os.path.realpath(port.device): port for port in list_ports.comports() if port.vid is not None}
@@ -80,7 +80,7 @@ def _buses(dev: Path) -> Iterator[End]:
 
 
 def _named(place: Literal["video", "lirc"], dev: Path, sys: Path) -> Iterator[End]:
-    """Yield the nodes of cameras and receivers; of the nodes of one camera only the first has its pictures."""
+    """Yield the nodes of cameras and receivers; only the first node of a camera has its pictures."""
     folder = sys / ("class/video4linux" if place == "video" else "class/lirc")
     links = _links(dev / "v4l/by-id") if place == "video" else {}
     paths = _links(dev / "v4l/by-path") if place == "video" else {}
@@ -94,13 +94,13 @@ def _named(place: Literal["video", "lirc"], dev: Path, sys: Path) -> Iterator[En
 
 
 def _receiver(entry: Path) -> str:
-    """Return the name of a receiver, which stands with its input device."""
+    """Return the name of a receiver, which its input device has."""
     found = [_read(one / "name") for one in sorted((entry / "device").glob("input*"))]
     return next(filter(None, found), entry.name)
 
 
 def _inputs(dev: Path, sys: Path) -> Iterator[End]:
-    """Yield gamepads, also those that come by radio and have no name of udev's; of all else what is plugged in."""
+    """Yield gamepads, including wireless ones without a name from udev; of other inputs, only those plugged in."""
     links = _links(dev / "input/by-id")
     pads = {os.path.realpath(dev / "input" / one.node): one for one in nodes.gamepads(sys / "class/input")}
     for node, pad in pads.items():
@@ -112,7 +112,7 @@ def _inputs(dev: Path, sys: Path) -> Iterator[End]:
 
 
 def _links(folder: Path) -> dict[str, list[Path]]:
-    """Return the links of a folder by the nodes that they mean."""
+    """Return the links of a folder by their target nodes."""
     links: dict[str, list[Path]] = {}
     try:
         entries = sorted(folder.iterdir())

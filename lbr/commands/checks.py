@@ -1,4 +1,4 @@
-"""The checks of `lbr doctor`: each says how it stands with one thing, and what to type if it is not well."""
+"""The checks of `lbr doctor`: each reports the state of one thing, and its cure."""
 
 import grp
 import importlib.util
@@ -40,13 +40,13 @@ FREE_MB = 500
 
 
 class DeviceState(Struct):
-    """The state of a driver's line, in words of its device."""
+    """The state of a driver's line, as its device reports it."""
 
     heard: bool | None = None
 
 
 def examine() -> Iterator[Finding]:
-    """Yield every finding; a check that fails itself is a finding too."""
+    """Yield every finding; a check that fails itself is also a finding."""
     checks: tuple[Callable[[], Iterator[Finding]], ...] = (
         _python, _packages, _robots, _extras, _home, _disk, _database, _bus, _serial, device_checks.speech, device_checks.emulated, device_checks.of_packages, _governor, _clock, _running,
         service_checks.services, power_checks.power,
@@ -90,7 +90,7 @@ def _packages() -> Iterator[Finding]:
 
 
 def _robots() -> Iterator[Finding]:
-    """Look whether what packages bring can be used."""
+    """Check whether the robots of packages are usable."""
     for found in registry.every():
         if fault := joining.fault(found):
             yield Finding(about=f"robot '{found.name}'", level="hint", text=f"{fault}; all others run")
@@ -204,7 +204,7 @@ def _running() -> Iterator[Finding]:
 
 
 def _unheard(robot: str) -> Iterator[Finding]:
-    """Tell of drivers whose device has sent nothing since its line was opened."""
+    """Report drivers whose device has sent nothing since its line was opened."""
     with target.connected(target.find(robot, None)) as bus:
         states = wire.ask(bus, f"{robot}/*/state", None, source=target.source("lbr doctor"))
     for state in states:

@@ -1,5 +1,4 @@
-"""The completions of a command line, out of the running robots and their rows. Quiet and quick: where nothing runs,
-nothing is said."""
+"""The completions of a command line, from the running robots and their rows. Quick and silent, also without a robot."""
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -20,7 +19,7 @@ Complete = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 
 
 def complete_topic(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Return the topics of the robot that is meant, with their messages."""
+    """Return the topics of the chosen robot, with their messages."""
     with suppress(LbrError, OSError), _bus(context) as (bus, robot, source):
         from lbr.console import topics  # noqa: PLC0415 - kept out of its `--help`
 
@@ -29,7 +28,7 @@ def complete_topic(context: click.Context, _parameter: click.Parameter, begun: s
 
 
 def complete_field(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Return the numbers that streams have, as `drive/state.power`."""
+    """Return the numeric fields of streams, such as `drive/state.power`."""
     with suppress(LbrError, OSError), _bus(context) as (bus, robot, source):
         from lbr.console import topics  # noqa: PLC0415
 
@@ -46,7 +45,7 @@ def complete_field(context: click.Context, _parameter: click.Parameter, begun: s
 
 
 def complete_line(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Return how a console line may go on: words, then fields."""
+    """Return the possible continuations of a console line: words, then fields."""
     with suppress(LbrError, OSError), _bus(context) as (bus, robot, source):
         from prompt_toolkit.completion import CompleteEvent
         from prompt_toolkit.document import Document
@@ -66,7 +65,7 @@ def complete_line(context: click.Context, _parameter: click.Parameter, begun: st
 
 
 def of_rows(table: str, name: str, text: str) -> Complete:
-    """Return what completes by a column of a table here, and tells another with it."""
+    """Return a completion by the column `name` of a table here; the column `text` explains each value."""
 
     def complete(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
         with suppress(LbrError):
@@ -85,7 +84,7 @@ complete_token = of_rows("user_token", "name", "role")
 
 
 def complete_setting(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Return the parts that have settings; of the only one that is left, its settings, as `drive.max_power`."""
+    """Return the parts that have settings; once only one is left, its settings, such as `drive.max_power`."""
     from lbr.capability import registry  # noqa: PLC0415
 
     part, dot, _ = begun.partition(".")
@@ -111,5 +110,5 @@ def _bus(context: click.Context) -> "Iterator[tuple[Session, str, str]]":
 
 
 def items(begun: str, found: Iterable[Any]) -> list[CompletionItem]:
-    """Return what begins like that, of pairs of a name and its help."""
+    """Return the pairs of name and help whose name begins so."""
     return [CompletionItem(name, help=text or None) for name, text in found if name.startswith(begun)]

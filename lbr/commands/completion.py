@@ -11,8 +11,8 @@ SHELLS = ("bash", "zsh", "fish")
 @click.command("completion")
 @click.argument("shell", type=click.Choice(SHELLS), metavar="SHELL")
 def command(shell: str) -> int:
-    """Print what makes a shell complete lbr's commands: profiles, robots, topics, motions and words of the robot that
-    runs.
+    """Print a script for a shell that completes lbr's commands: profiles, robots, topics, motions and words of a
+    running robot.
 
     \b
     bash   eval "$(lbr completion bash)"           in ~/.bashrc

@@ -19,9 +19,9 @@ from lbr.console import local, target
 def command(whom: Whom, hold_s: float | None) -> int:
     """Open a console on a running robot.
 
-    End of input, Ctrl-C and a closed terminal stop what this console moves, and leave; the robot runs on. Lines may
-    also come from a pipe (empty ones and those that begin with # are skipped): results go to standard output, errors to
-    standard error, and the exit code is the worst line's. Once another stops the robot, the lines that had come by then
-    are not said any more.
+    End of input, Ctrl-C and a closed terminal stop this console's motions, and leave; the robot runs on. Lines may also
+    come from a pipe; empty ones and those that begin with # are skipped. Results go to standard output, errors to
+    standard error, and the exit code is the worst line's. Once somebody else stops the robot, lines that were already
+    waiting are dropped.
     """
     return local.run_remote(target.find(*whom), hold_s=hold_s)

@@ -1,4 +1,4 @@
-"""`lbr db`: init, add, check, table, diff, audit and restore, with the commands of other modules below it."""
+"""`lbr db`: init, add, check, table, diff, audit and restore, and the subcommands of other modules."""
 
 import datetime as dt
 from pathlib import Path
@@ -42,9 +42,10 @@ def init(database: Path | None, sql: Path | None) -> None:
 @database_option
 @json_option
 def add(robot: str, database: Path | None, as_json: bool) -> None:
-    """Add the rows of ROBOT that its package brings and that are not in the database yet; others stay as they are.
+    """Add the rows of ROBOT's package that are missing in the database; others stay as they are.
 
-    A database that is older than a robot gets it at its first run, too; one that is older than some rows only this way.
+    A robot that is newer than the database is also added at its first run; new rows of a known robot only by this
+    command.
     """
     with opened(database) as rows:
         added = joining.add(rows, robot.replace("-", "_"))
@@ -61,10 +62,8 @@ def add(robot: str, database: Path | None, as_json: bool) -> None:
 @click.option("--robot", metavar="NAME", help="Check one robot alone.")
 @json_option
 def check(database: Path | None, robot: str | None, as_json: bool) -> int:
-    """Check the rows of every robot, as a start would, and the audit trail. Exit code 2 if anything is bad.
-
-    A hint is something odd that runs all the same.
-    """
+    """Check the rows of every robot, as a start would, and the audit trail. Exit code 2 if anything is bad. A hint is
+    an oddity that does not keep a robot from running."""
     with opened(database) as rows:
         all_rows = loaded(rows, rows.robots(robot))
         both = {name: judged(of_robot) for name, of_robot in all_rows.items()}
@@ -151,10 +150,10 @@ def audit(database: Path | None, count: int, as_json: bool) -> int:
 @click.option("--list", "only_list", is_flag=True, help="Only show the copies that are kept.")
 @json_option
 def restore(source: Path | None, database: Path | None, only_list: bool, as_json: bool) -> int:
-    """Put the last good copy, or the backup FROM, in the place of the database; what was there is kept beside it.
+    """Replace the database by the last good copy, or by the backup FROM; the old one is kept beside it.
 
-    A running robot copies its rows whenever they have run well for some seconds. Shut it down first. Tokens that were
-    revoked stay so, unless the damage lies there too: it says which are valid.
+    A running robot copies its rows whenever they have run well for some seconds. Shut it down first. Revoked tokens
+    stay revoked, unless their rows are damaged, too; the valid ones are listed.
     """
     path = database or home.default_database()
     if only_list:

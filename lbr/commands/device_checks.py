@@ -1,4 +1,4 @@
-"""The checks of `lbr doctor` on each device row, by its address: a path, an i2c bus, sound, a camera."""
+"""The checks of `lbr doctor` on device rows, by their address: a path, an i2c bus, sound, a camera."""
 
 import contextlib
 import ctypes.util
@@ -25,10 +25,10 @@ from lbr.drivers.serial_line import resolve
 from lbr.errors import DeviceError
 
 Judgement = tuple[Level, str, str]
-"""The state, in words, and what to type."""
+"""Level, text and cure."""
 
 NOWHERE = Path("/nowhere")
-"""There are no capability files: what installed kinds drive is enough to know a line."""
+"""Installed kinds are enough to know a device's line: capability files are not needed."""
 USB_SERIAL = Path("/sys/bus/usb-serial/devices")
 TUNED_MS = "1"
 NUMBERED = re.compile(r"/dev/(?:input/)?(ttyACM|ttyUSB|video|event)\d+")
@@ -37,18 +37,18 @@ BY_NAME = {
     "video": "/dev/v4l/by-id",
     "event": "/dev/input/by-id",
 }
-"""Where a device has a name that stays, by what its number stands after."""
+"""The places of permanent names for devices, by the text before the number."""
 SOUND_CARDS = Path("/proc/asound/cards")
 LOOKS = {
     "camera": "v4l2-ctl --list-devices",
     "infrared": "ir-keytable",
     "gamepad": "lbr devices",
 }
-"""The command that looks for a device, by its type; for most others `ls /dev/serial/by-id`."""
+"""The command that finds a device, by its type; for most others it is `ls /dev/serial/by-id`."""
 
 
 def device(robot: str, row: DeviceRow) -> Finding:
-    """Say how it stands with one device row."""
+    """Report the state of one device row."""
     scheme, _, rest = row.address.partition(":")
     level, text, do = _schemes().get(scheme, _file)(row, rest)
     if level == "hint":
@@ -57,7 +57,7 @@ def device(robot: str, row: DeviceRow) -> Finding:
 
 
 def numbered(row: DeviceRow) -> Iterator[Finding]:
-    """Warn of an address that is a number: which device has it may change at each replug and each start."""
+    """Warn of a numbered address: it may belong to another device after each replug and each start."""
     if found := NUMBERED.fullmatch(row.address):
         text = f"{row.address} is a number that another device may have after a replug or a restart"
         do = f"ls -l {BY_NAME[found[1]]}, and write the name of yours into the device row's address"
@@ -65,7 +65,7 @@ def numbered(row: DeviceRow) -> Iterator[Finding]:
 
 
 def latency(row: DeviceRow) -> Iterator[Finding]:
-    """Look how long a USB adapter holds answers back, where a device is asked many times a second."""
+    """Check how long a USB adapter delays answers, for devices that are asked many times a second."""
     if _line(row.type) != "polled":
         return
     try:
@@ -84,7 +84,7 @@ def latency(row: DeviceRow) -> Iterator[Finding]:
 
 
 def speech() -> Iterator[Finding]:
-    """Look for the engine that makes sound of text."""
+    """Check the engine that turns text into sound."""
     if ctypes.util.find_library("espeak-ng") or ctypes.util.find_library("espeak"):
         yield Finding(about="speech", level="good", text="espeak-ng is installed")
     else:
@@ -93,7 +93,7 @@ def speech() -> Iterator[Finding]:
 
 
 def emulated() -> Iterator[Finding]:
-    """Report packages with twins of devices that cannot be used; the other robots are unaffected."""
+    """Report packages whose twins of devices are unusable; other robots are unaffected."""
     wrong = list(twins.refused())
     for device_type in twins.names():
         try:
@@ -105,7 +105,7 @@ def emulated() -> Iterator[Finding]:
 
 
 def of_packages() -> Iterator[Finding]:
-    """Say which components, kinds, commands and faces of packages cannot be used, also where no row names them."""
+    """Report unusable components, kinds, commands and faces of packages, even if no row names them."""
     do = "pip list, then pip uninstall PACKAGE"
     for why in plugins.broken():
         yield Finding(about="components of packages", level="hint", text=why, do=do)
@@ -144,7 +144,7 @@ def _serial(row: DeviceRow, _rest: str) -> Judgement:
 
 @cache
 def _line(device_type: str) -> str:
-    """Return which line a type of device is on, as the kinds say that drive it; one that is broken says nothing."""
+    """Return the line of a type of device, by the kinds that drive it; broken kinds are skipped."""
     for name in registry.names(NOWHERE):
         with contextlib.suppress(KindError):
             kind = registry.find(name, NOWHERE)
@@ -201,7 +201,7 @@ def _pi_camera(_row: DeviceRow, _rest: str) -> Judgement:
 
 
 def join_group(path: Path) -> str:
-    """Return what to type so that this user may open a file: the group that it is of."""
+    """Return the command that gives this user access to a file, through its group."""
     with contextlib.suppress(KeyError, OSError):
         return f"sudo usermod -aG {grp.getgrgid(path.stat().st_gid).gr_name} $USER, then log in again"
     return f"ls -l {path}"

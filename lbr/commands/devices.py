@@ -1,4 +1,4 @@
-"""`lbr devices`: what is plugged in, what it is, and the rows that would have a robot use it."""
+"""`lbr devices`: the plugged-in devices, and the rows with which a robot would use them."""
 
 from pathlib import Path
 from typing import Any
@@ -40,10 +40,10 @@ WAIT_S, LONGEST_WAIT_S = 2.0, 30.0
 def command(
     robot: str | None, called: str | None, *, listen: bool, wait_s: float, database: Path | None, **how: Any
 ) -> int:
-    """See what is plugged in, ask each what it is, and propose the rows that would have a robot use it.
+    """Find the plugged-in devices, identify each, and propose the rows with which a robot uses it.
 
-    Each is asked by its driver's own question, which moves and changes nothing; what a robot that runs or another
-    program holds is not opened. Nothing is written without --write, or a yes at a terminal. Exit code 2 if a proposal
-    is bad.
+    Each is identified by its driver's own question, which moves and changes nothing. Devices in use by a running robot
+    or another program are not opened. Nothing is written without --write, or a yes at a terminal. Exit code 2 if a
+    proposal is bad.
     """
     return looking.run(robot, called, listen=listen, wait_s=wait_s, database=database, **how)

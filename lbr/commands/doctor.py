@@ -11,7 +11,7 @@ MARKS = {"good": ("ok  ", "green"), "hint": ("hint", "yellow"), "bad": ("BAD ", 
 @click.command("doctor")
 @json_option
 def command(as_json: bool) -> int:
-    """Look for what is wrong with this machine, and say what to type. Needs no running robot. Exit code 1 if bad."""
+    """Find faults of this machine, and show the cures. Needs no running robot. Exit code 1 if bad."""
     findings = []
     for finding in checks.examine():
         findings.append(finding)

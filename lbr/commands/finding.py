@@ -8,7 +8,7 @@ Level = Literal["good", "hint", "bad"]
 
 
 class Finding(Struct, frozen=True, kw_only=True):
-    """The state of one thing: `bad` keeps a robot from running, a `hint` may; `do` is what to type."""
+    """The state of one thing: `bad` keeps a robot from running, a `hint` may; `do` is the cure to type."""
 
     about: str
     level: Level

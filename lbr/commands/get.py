@@ -22,7 +22,7 @@ from lbr.names import near
 
 
 class Setting(Struct, frozen=True):
-    """A setting of a part; `in_row` says whether its row has it, or its kind says what it is."""
+    """A setting of a part; `in_row`: its row has it, otherwise it is the kind's default."""
 
     part: str
     setting: str
@@ -40,7 +40,7 @@ class Setting(Struct, frozen=True):
 @database_option
 @json_option
 def command(setting: str, robot: str | None, database: Path | None, as_json: bool) -> None:
-    """Print a setting, all settings of a part, or what the rows of all parts set. 'lbr set' changes one."""
+    """Print a setting, all settings of a part, or the settings in the rows of all parts. 'lbr set' changes one."""
     part, name = parted(setting)
     with opened(database) as rows:
         whose = meant(rows, robot, running_here(rows.path))
@@ -62,15 +62,14 @@ def command(setting: str, robot: str | None, database: Path | None, as_json: boo
 
 
 def _of(row: CapabilityRow) -> Iterator[Setting]:
-    """Yield a part's settings: those of its row, and those that its kind adds; the first alone if they are not
-    valid."""
+    """Yield a part's settings: those of its row, then its kind's defaults, unless the row's are invalid."""
     try:
         in_row = msgspec.json.decode(row.settings, type=dict[str, Any])
     except (msgspec.MsgspecError, ValueError):
         in_row = {}
     try:
         whole = msgspec.to_builtins(registry.find(row.kind, home.home()).parse(row.settings))
-    except (LbrError, msgspec.MsgspecError, ValueError, TypeError):  # 'lbr db check' says what is wrong there
+    except (LbrError, msgspec.MsgspecError, ValueError, TypeError):  # 'lbr db check' reports the fault
         whole = {}
     for name, value in {**whole, **in_row}.items():
         yield Setting(row.name, name, value, name in in_row)
@@ -86,5 +85,5 @@ def _chosen(part: str, name: str, settings: Iterable[Setting]) -> Setting:
 
 
 def _as_typed(value: object) -> str:
-    """Return a value as `lbr set` takes it."""
+    """Return a value in the form that `lbr set` accepts."""
     return value if isinstance(value, str) else msgspec.json.encode(value).decode()

@@ -1,4 +1,4 @@
-"""One look at attached devices, for `lbr devices`: their kinds, and rows by which a robot would use them."""
+"""One look at attached devices, for `lbr devices`: their kinds, and rows with which a robot would use them."""
 
 import sys
 import time
@@ -31,7 +31,7 @@ from lbr.messages.plain import one_line
 LOOK_S = 0.5
 """Time between two looks, with --watch."""
 SETTLE_S = 0.5
-"""udev sets rights and names just after a plug-in."""
+"""udev sets rights and names just after a device is plugged in."""
 
 
 class Looked(Struct, frozen=True, kw_only=True):
@@ -89,7 +89,7 @@ def _agreed(looking: "Looking", looked: Looked, good: list[Proposal], *, write: 
 
 
 class Looking:
-    """Looks at ends for one robot's rows, or without rows where there is no database."""
+    """Looks at ends for one robot's rows; without a database, for no rows."""
 
     def __init__(self, robot: str | None, database: Path | None, called: str, *, wait_s: float, ask: bool) -> None:
         self._robot = robot
@@ -117,7 +117,7 @@ class Looking:
         return Looked(robot=robot, devices=known, proposals=offers, hints=hints)
 
     def write(self, robot: str, offers: Collection[Proposal]) -> Proposed:
-        """Write the rows of some proposals, all or none; a row of several proposals is written once."""
+        """Write the rows of some proposals, all or none; a row in several proposals is written once."""
         changes: list[RowChange] = []
         for one in offers:
             changes += (each for each in one.changes if each not in changes)
@@ -146,7 +146,7 @@ class Looking:
 
 
 def _held() -> dict[str, str]:
-    """Return the devices that running robots hold by their rows. Simulated robots hold no devices."""
+    """Return the devices that running robots use, by their rows. Simulated robots use no devices."""
     held: dict[str, str] = {}
     for running in home.running():
         try:

@@ -25,8 +25,8 @@ def _place(function: click.decorators.FC) -> click.decorators.FC:
 def command() -> None:
     """Write a package of your own that runs at once, in simulation: a robot, a driver, servos, wheels or a capability.
 
-    It is a folder NAME with a project file, a module, rows, a launch profile, tests and a page, and yours to change.
-    Nothing that is there is overwritten. Needs no network and no running robot.
+    It is a folder NAME with a project file, a module, rows, a launch profile, tests and a page, and yours to change. No
+    existing file is overwritten. Needs no network and no running robot.
     """
 
 
@@ -35,7 +35,7 @@ def command() -> None:
 def robot(name: str, into: Path) -> int:
     """Write a robot on two driven wheels.
 
-    It is rows: what is plugged in, what runs, who feeds whom, and a word of its own.
+    It consists of rows: devices, capabilities, channels, and a word of its own.
     """
     return _write("robot", name, into)
 
@@ -45,7 +45,7 @@ def robot(name: str, into: Path) -> int:
 def driver(name: str, into: Path) -> int:
     """Write a driver of a serial device.
 
-    With it come the emulated device, and a test by the checks that every driver has to pass.
+    It includes the emulated device, and a test by the checks that every driver has to pass.
     """
     return _write("driver", name, into)
 
@@ -55,7 +55,7 @@ def driver(name: str, into: Path) -> int:
 def servos(name: str, into: Path) -> int:
     """Write a driver of servos on a bus.
 
-    With it come the emulated bus, a robot of two joints, and a test by the checks that every driver of servos has to
+    It includes the emulated bus, a robot of two joints, and a test by the checks that every driver of servos has to
     pass.
     """
     return _write("servos", name, into)
@@ -67,8 +67,8 @@ def servos(name: str, into: Path) -> int:
 def wheels(name: str, into: Path, silent: bool) -> int:
     """Write a driver of wheels on a controller.
 
-    With it come the emulated controller, a robot of two wheels, and a test by the checks that every driver of wheels
-    has to pass.
+    It includes the emulated controller, a robot of two wheels, and a test by the checks that every driver of wheels has
+    to pass.
     """
     return _write("silent_wheels" if silent else "wheels", name, into)
 
@@ -76,9 +76,9 @@ def wheels(name: str, into: Path, silent: bool) -> int:
 @command.command("capability")
 @_place
 def capability(name: str, into: Path) -> int:
-    """Write what listens, publishes and answers.
+    """Write a capability with an input, an output and a command.
 
-    A capability listens to the range sensors, publishes what is nearest, and has a word on the console.
+    It reads the range sensors, publishes the nearest distance, and has a word on the console.
     """
     return _write("capability", name, into)
 

@@ -8,7 +8,7 @@ from lbr.errors import InputError
 
 
 def write_new(path: Path, content: bytes) -> None:
-    """Write a file that is not there yet, and say so; InputError if it is, or cannot be written."""
+    """Write a new file, and report it; raise InputError if it exists, or cannot be written."""
     try:
         with path.open("xb") as file:
             file.write(content)

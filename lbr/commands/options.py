@@ -20,7 +20,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 class Number(click.FloatRange):
-    """A number within bounds; NaN is refused, though it is beyond no bound."""
+    """A number within bounds; NaN is refused, although it exceeds no bound."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the number."""
@@ -31,7 +31,7 @@ class Number(click.FloatRange):
 
 
 class FileName(click.Path):
-    """A file's or folder's name that the system can have, whether it is there or not; given as a `Path`."""
+    """The name of a file or folder, existing or not, that the system permits; given as a `Path`."""
 
     def __init__(self, **conditions: Any) -> None:
         super().__init__(path_type=Path, **conditions)
@@ -53,7 +53,7 @@ DEFAULT_PROFILE = "lbr-sim"
 
 
 class Whom(NamedTuple):
-    """Which robot a command means, and what lets it in there."""
+    """The robot that a command means, and the credentials for it."""
 
     robot: str | None
     connect: str | None
@@ -103,12 +103,12 @@ def print_json(value: object) -> None:
 
 
 def complete_running(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Return the robots that run here, to complete a command line by."""
+    """Return the robots that run here, for completion."""
     return [CompletionItem(one.robot, help=one.profile) for one in home.running() if one.robot.startswith(begun)]
 
 
 def complete_robot(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Return the robots that there are, to complete a command line by."""
+    """Return all robots, for completion."""
     return [
         CompletionItem(found.name, help=found.robot.summary)
         for found in registry.every()
@@ -117,6 +117,6 @@ def complete_robot(_context: click.Context, _parameter: click.Parameter, begun: 
 
 
 def complete_profile(context: click.Context, parameter: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Return the launch profiles that there are, and files, to complete a command line by."""
+    """Return all launch profiles, and files, for completion."""
     found = [CompletionItem(name) for name in profile.names() if name.startswith(begun)]
     return found or click.Path().shell_complete(context, parameter, begun)  # a shell offers files or words, not both

@@ -1,4 +1,4 @@
-"""Puts the service's files in place and takes them away, and never touches one that was edited by hand unasked."""
+"""Installs and removes the service's files; a file that was edited by hand is only touched on request."""
 
 import tempfile
 from pathlib import Path
@@ -30,7 +30,7 @@ class Step(Struct, frozen=True):
 
 
 def state(path: Path, text: str) -> State:
-    """Say how a file stands to what it should be."""
+    """Compare a file with its intended text."""
     if not path.exists():
         return "absent"
     found = path.read_text(errors="replace")
@@ -40,14 +40,14 @@ def state(path: Path, text: str) -> State:
 
 
 def installed(root: Path) -> list[Path]:
-    """Return the files that are there, whichever program wrote them."""
+    """Return the installed files, whichever program wrote them."""
     fixed = (root / name for name in (UNIT, RULES, SYSUSERS, POLKIT, RELAY_UNIT))
     drop_ins = (path for name in (DROP_IN, RELAY_DROP_IN) for path in sorted(root.glob(name.format("*"))))
     return [*(path for path in fixed if path.exists()), *drop_ins]
 
 
 def install(root: Path, files: dict[str, str], *, overwrite: bool, dry_run: bool) -> list[Step]:
-    """Write what is not as it should be; an edited file only if told so, and a copy of it is kept."""
+    """Write the files that differ; edited ones only with `overwrite`, after a copy."""
     steps = []
     for name, text in files.items():
         path = root / name
@@ -66,7 +66,7 @@ def install(root: Path, files: dict[str, str], *, overwrite: bool, dry_run: bool
 
 
 def remove(root: Path, *, overwrite: bool, dry_run: bool) -> list[Step]:
-    """Take away what is there; an edited file only if told so."""
+    """Remove the installed files; edited ones only with `overwrite`."""
     steps = []
     for path in installed(root):
         if not overwrite and not is_pristine(path.read_text(errors="replace")):

@@ -1,4 +1,4 @@
-"""The checks of `lbr doctor` on a robot that watches its supply: could it shut this computer down in time?"""
+"""The checks of `lbr doctor` on a robot that watches its supply: can it shut this computer down in time?"""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,7 +15,7 @@ ANSWER_S = 3.0
 
 
 def power(root: Path = MACHINE, booted: Path = BOOTED, bus: str = "") -> Iterator[Finding]:
-    """Look at the rule and ask logind, as this user; without a robot that watches its supply, nothing."""
+    """Check the rule and ask logind, as this user; skipped without a robot that watches its supply."""
     if not booted.exists() or not (_robots() or unitfiles.extras_of(root).power_off):
         return
     yield _rule(root)

@@ -1,5 +1,4 @@
-"""Which rows would have a robot use what is attached: a device, its capability, its channels. Pure; nothing is
-written."""
+"""The rows with which a robot would use attached devices: device, capability, channels. Pure; nothing is written."""
 
 from collections.abc import Collection, Iterator, Mapping
 
@@ -14,7 +13,7 @@ from lbr.names import first_free
 
 
 class Proposal(Struct, frozen=True, kw_only=True):
-    """Changes of rows for one attached device, and their `text`; without changes, there is nothing to do.
+    """Changes of rows for one attached device, and their `text`; without changes, the rows are complete.
 
     The preview of the changes is their `differences` and `problems`.
     """
@@ -33,10 +32,10 @@ def propose(
     present: Collection[str],
     called: str = "",
 ) -> tuple[list[Attached], list[Proposal]]:
-    """Return what was found with the rows that are it already, and a proposal for each that no row is.
+    """Return the found devices with their existing rows, and a proposal for each device without one.
 
-    `present` are the nodes that exist now: a device row elsewhere waits for its device. `called` is the device row to
-    make or to move, where one is asked for.
+    `present` are the nodes that exist now: a device row with another node waits for its device. `called` is the device
+    row to make or to move, if the user names one.
     """
     nodes = {node_of(row): row for row in rows.devices}
     known = [msgspec.structs.replace(end, row=_row_at(end, nodes)) for end in ends]
@@ -115,7 +114,7 @@ def _added(
 
 
 def _waiting(kind: Kind, rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[str]:
-    """Yield the capabilities that are off and cannot do without this kind: they name it as what feeds them."""
+    """Yield the disabled capabilities that name a capability of this kind as their required source."""
     for row in rows.capabilities:
         theirs = kinds.get(row.kind)
         if theirs is None or row.enabled:
@@ -131,7 +130,7 @@ def _switched_on(name: str) -> RowChange:
 
 
 def _needed(one: Attached, rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[RowChange]:
-    """Yield the rows that its driver reads and the robot has not."""
+    """Yield the rows that its driver reads and the robot lacks."""
     classes = {read.row.TABLE: read.row for kind in kinds.values() for read in kind.reads}
     for table, values in one.needs:
         row = classes.get(table)
@@ -141,13 +140,13 @@ def _needed(one: Attached, rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterat
 
 
 def _wired(rows: RobotRows, changes: Collection[RowChange]) -> RobotRows:
-    """Return the rows with these channels: what one device is to feed, the next one finds fed."""
+    """Return the rows with these channels, so that a later device does not feed the same port."""
     channels = (ChannelRow(**change.after) for change in changes if change.table == "channel" and change.after)
     return msgspec.structs.replace(rows, channels=(*rows.channels, *channels))
 
 
 def _channels(name: str, kind: Kind, rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[RowChange]:
-    """Yield the channels to what the robot has and nothing feeds yet; what kinds wire by themselves needs no row."""
+    """Yield channels to the robot's unfed ports; ports that kinds wire by themselves need no row."""
     targets, sources = {row.target for row in rows.channels}, {row.source for row in rows.channels}
     for capability in rows.capabilities:
         theirs = kinds.get(capability.kind)

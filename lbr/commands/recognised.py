@@ -1,4 +1,4 @@
-"""Asks every end what it is, all at the same time; what a robot or another program holds is not opened, and told."""
+"""Identifies the devices at all ends at the same time; ends in use by a robot or program are reported unopened."""
 
 import os
 import time
@@ -27,10 +27,10 @@ INPUT_TEXT = "an input device; no driver here takes it"
 
 
 class Attached(Struct, frozen=True, kw_only=True):
-    """The device at one end: `type` of device and `what` it is, empty if it is not known; `text` is the reason.
+    """The device at one end: its `type`, and its description `what`, empty if unknown; `text` is the reason.
 
-    `row` is the device row that says so already; `settings` are what the capability's row would set, and `needs`
-    the rows, by table, that its driver reads.
+    `row` is its existing device row, `settings` are those of the capability's row, and `needs` the further rows of its
+    driver, by table.
     """
 
     place: Place
@@ -49,8 +49,7 @@ class Attached(Struct, frozen=True, kw_only=True):
 
 
 def known_kinds(home: Path) -> tuple[dict[str, Kind], Known, list[str]]:
-    """Return all installed kinds, the handshakes by type of device, and what is wrong with kinds that cannot be
-    used."""
+    """Return all installed kinds, the handshakes by type of device, and the faults of unusable kinds."""
     kinds, asked, wrong = {}, {}, []
     for name in registry.names(home):
         try:
@@ -66,7 +65,7 @@ def known_kinds(home: Path) -> tuple[dict[str, Kind], Known, list[str]]:
 def ask_all(
     ends: Collection[End], known: Known, held: Mapping[str, str], *, wait_s: float, ask: bool = True
 ) -> list[Attached]:
-    """Return what is at each end; `held` says of nodes and i2c addresses by which robot's row they are in use."""
+    """Return the device at each end; `held` maps nodes and i2c addresses in use to the robot's row."""
 
     def attached(end: End) -> list[Attached]:
         began = time.monotonic()
@@ -81,12 +80,12 @@ def ask_all(
 
 
 def held_by(robot: str, devices: Collection[DeviceRow]) -> dict[str, str]:
-    """Return the nodes and i2c addresses that a running robot's rows are at, with what to say of each."""
+    """Return the nodes and i2c addresses of a running robot's rows, with a text for each."""
     return {node_of(row): f"robot '{robot}' runs with it as its device '{row.name}'" for row in devices}
 
 
 def node_of(row: DeviceRow) -> str:
-    """Return the node of a device row, or its address if that means none now."""
+    """Return the node of a device row, or its address if it has no node now."""
     address = row.address
     if address.startswith("i2c:"):
         bus, _, at = address.removeprefix("i2c:").partition(":")
@@ -168,7 +167,7 @@ def _rights(path: str) -> str:
 
 
 def _group(path: str) -> str:
-    """Return what to type where this user has not the rights; the group is the file's own."""
+    """Return the command that gives this user the rights; the group is the file's own."""
     if not Path(path).exists() or os.access(path, os.R_OK | os.W_OK):
         return ""
     return f" ({join_group(Path(path))})"

@@ -11,10 +11,8 @@ from lbr.robot import registry
 @click.command("robots")
 @json_option
 def command(as_json: bool) -> int:
-    """List the robots that lbr and installed packages bring, and with what 'lbr run' starts each.
-
-    A robot of a package that cannot be used is told with the reason; the others run. Needs no running robot.
-    """
+    """List the robots of lbr and of installed packages, and the launch profiles of each for 'lbr run'. An unusable
+    robot is listed with the reason; the others run. Needs no running robot."""
     robots = [(robot, joining.fault(robot)) for robot in registry.every()]
     if as_json:
         print_json(

@@ -1,4 +1,4 @@
-"""`lbr db plan`, `apply`, `export` and `import`: rows out of a file or folder, judged before they are written."""
+"""`lbr db plan`, `apply`, `export` and `import`: rows from a file or folder, judged before they are written."""
 
 import time
 from pathlib import Path
@@ -29,8 +29,7 @@ GRACE_S = 5.0
 @database_option
 @json_option
 def plan(source: Path, robot: str | None, database: Path | None, as_json: bool) -> int:
-    """Show what 'lbr db apply SOURCE' would change, row by row, what would be wrong, and what would start, stop and
-    restart.
+    """Show the effects of 'lbr db apply SOURCE': changed rows, problems, and the processes to start, stop and restart.
 
     SOURCE is a file of SQL that edits rows, a copy of a database, or a folder of 'lbr db export'. Nothing is touched.
     Exit code 2 with problems.
@@ -61,10 +60,8 @@ def apply(
     database: Path | None,
     as_json: bool,
 ) -> int:
-    """Have the rows as SOURCE says, all of them or none; what it is, 'lbr db plan' says. A running robot follows.
-
-    Exit code 2 if that would be wrong, and nothing is changed; 1 if --within went back.
-    """
+    """Change the rows as in SOURCE (see 'lbr db plan'), all of them or none. A running robot follows. Exit code 2 if
+    the rows would be bad, and nothing is changed; 1 if --within went back."""
     return _apply(source, robot, expected, database, within_s=within_s, dry_run=dry_run, as_json=as_json)
 
 
@@ -74,9 +71,9 @@ def apply(
 def import_(
     folder: Path, robot: str | None, expected: int | None, dry_run: bool, database: Path | None, as_json: bool
 ) -> int:
-    """Have the rows as the files in DIR say that 'lbr db export' wrote, all or none. Exit code 2 with problems.
+    """Change the rows as in DIR, a folder of 'lbr db export', all of them or none. Exit code 2 with problems.
 
-    The robots that have a folder there get exactly these rows; a table without a file stays, and so do other robots.
+    Robots with a folder in DIR get exactly these rows; a table without a file stays, and so do other robots.
     """
     return _apply(folder, robot, expected, database, dry_run=dry_run, as_json=as_json)
 
@@ -87,10 +84,8 @@ def import_(
 @database_option
 @json_option
 def export(folder: Path, robot: str | None, database: Path | None, as_json: bool) -> None:
-    """Write the rows into DIR as text that git compares well: a folder for each robot, a file for each table.
-
-    Files that are there are overwritten; tokens, events and the audit trail stay out of it.
-    """
+    """Write the rows into DIR as text that git compares well: a folder for each robot, a file for each table. Existing
+    files are overwritten. Tokens, events and the audit trail are left out."""
     with opened(database) as rows:
         rows.robots(robot)
         tables, schema = rows.tables()
@@ -161,7 +156,7 @@ def _wanted(source: Path, rows: Database, robot: str | None) -> Wanted:
 
 
 def _place(source: Path, rows: Database) -> Any:
-    """Return what says a problem with the file where it stands, for a folder."""
+    """Return a function that adds the file to a problem, if the source is a folder."""
     if not source.is_dir():
         return str
     schema = rows.tables()[1]

@@ -1,4 +1,4 @@
-"""`lbr db history`, `rollback` and `undo`: earlier rows, the authors of changes, and the way back."""
+"""`lbr db history`, `rollback` and `undo`: earlier rows, the authors of changes, and the return to them."""
 
 import time
 from collections.abc import Callable
@@ -32,12 +32,12 @@ if TYPE_CHECKING:
 
 
 def complete_table(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Return the tables whose changes are kept, to complete a command line by."""
+    """Return the tables whose changes are kept, for completion."""
     return [CompletionItem(name) for name in shipped(robot_db_sql())[1] if name.startswith(begun)]
 
 
 def change_options(function: F) -> F:
-    """Add --robot, --revision, --dry-run, --db and --json, for what changes many rows at once."""
+    """Add --robot, --revision, --dry-run, --db and --json, for commands that change many rows."""
     options: tuple[Callable[[F], F], ...] = (
         click.option(
             "--robot", metavar="NAME", shell_complete=complete_robot, help="Change the rows of one robot alone."
@@ -70,7 +70,7 @@ def change_options(function: F) -> F:
 def history(
     count: int, robot: str | None, table: str | None, row: str | None, database: Path | None, as_json: bool
 ) -> int:
-    """Show who changed which rows, when and by what, row by row, the newest last.
+    """Show the changes of rows, with author, time and program, the newest last.
 
     The numbers are revisions: 'lbr db diff A B' compares two, 'lbr db rollback REV' goes back to one.
     """
@@ -102,11 +102,9 @@ def history(
 def rollback(
     number: int, robot: str | None, expected: int | None, dry_run: bool, database: Path | None, as_json: bool
 ) -> int:
-    """Have the rows as they were at revision REV; a change like any other, which 'lbr db undo' takes back.
-
-    All of them or none: exit code 2 with what would be wrong, and nothing is changed. The emergency stop, tokens and
-    the audit trail stay as they are. A running robot follows.
-    """
+    """Change the rows back to revision REV; 'lbr db undo' takes that back. All of them or none: exit code 2 with the
+    problems, and nothing is changed. The emergency stop, tokens and the audit trail stay as they are. A running robot
+    follows."""
 
     with opened(database) as rows:
         proposed = go_back(rows, number, robot, expected, dry_run=dry_run)
@@ -121,8 +119,8 @@ def undo(
 ) -> int:
     """Take back the newest change of rows, or the newest N; 'undo' once more takes that back.
 
-    A change is what 'lbr db history' tells as one. With --robot, the newest ones of that robot's rows: what others have
-    changed since in other rows stays.
+    A change is one entry of 'lbr db history'. With --robot, the newest ones of that robot's rows: later changes of
+    other rows stay.
     """
 
     with opened(database) as rows:
@@ -148,7 +146,7 @@ COMMANDS = (history, rollback, undo)
 def go_back(
     rows: "Database", number: int, robot: str | None, expected: int | None, *, dry_run: bool = False
 ) -> Proposed:
-    """Change the rows back to those of a revision; InputError gives the reason where that is not possible."""
+    """Change the rows back to those of a revision; raise InputError if that is not possible."""
 
     def wanted(tables: RawTables, schema: Schema) -> tuple[Change, ...]:
         return changes.between(tables, rows.tables_at(number), schema, robot)
@@ -168,7 +166,7 @@ def check_robot(rows: "Database", robot: str | None) -> None:
 
 
 def between(rows: "Database", first: int, second: int | None) -> tuple[Difference, ...]:
-    """Return what differs between two revisions; now, if there is no second."""
+    """Return the differences between two revisions; without a second one, to the present rows."""
     now, schema = rows.tables()
     after = now if second is None else rows.tables_at(second)
     return changes.differences(changes.between(rows.tables_at(first), after, schema))
@@ -223,12 +221,12 @@ def tell(
 
 
 def local_time(seconds: float) -> str:
-    """Return a moment as clocks here show it."""
+    """Return a time in this machine's zone, for people."""
     return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(seconds))
 
 
 def _is_asked(revision: RevisionRow, robot: str | None, table: str | None, row: str | None) -> bool:
-    """Return whether a revision is of a robot, of a table and of a row; None is any."""
+    """Return whether a revision is of a robot, of a table and of a row; None matches all."""
     values = revision.after or revision.before or {}
     mine = robot is None or values.get("name" if revision.table == "robot" else "robot") == robot
     keys = {"/".join(revision.row_key), "/".join(revision.row_key[1:])}
@@ -248,5 +246,5 @@ def _author(change: HistoryEntry) -> str:
 def _local(at: str) -> str:
     try:
         return local_time(datetime.fromisoformat(at).timestamp())
-    except ValueError:  # as another SQLite client may write it
+    except ValueError:  # another SQLite client may have written it
         return at

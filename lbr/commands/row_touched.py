@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Touched(Struct, frozen=True, kw_only=True):
-    """The effect of a change of rows on one robot's processes; `runs`: at once, else at its next start."""
+    """The effect of a change of rows on one robot's processes, at once if it `runs`, otherwise at its next start."""
 
     robot: str
     runs: bool
@@ -45,7 +45,7 @@ class Touched(Struct, frozen=True, kw_only=True):
 
 
 class Touching:
-    """Judges the rows of robots as their starts would, and remembers what they run before and after."""
+    """Judges the rows of robots as their starts would, and keeps their processes before and after."""
 
     def __init__(self, rows: Database) -> None:
         self._rows = rows
@@ -60,7 +60,7 @@ class Touching:
         return problems
 
     def look(self, changes: Iterable[Change]) -> None:
-        """Take note of what is to be done; InputError if a robot that runs would be taken out."""
+        """Note the planned changes; raise InputError if they would remove a running robot."""
         whose = {change.robot for change in changes}
         for change in changes:
             if change.table == "robot" and change.after is None and change.key[0] in self._running:
@@ -106,7 +106,7 @@ class Touching:
             return planned(rows)
         try:
             return planned(rows, profile.load(running.profile), before)
-        except LbrError:  # a file that is not there any more, or was named from another folder
+        except LbrError:  # the file is gone, or its path was relative to another folder
             return planned(rows)
 
 

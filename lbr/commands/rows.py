@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 
 def opened(path: Path | None = None) -> "Database":
-    """Open a database that is there, the home's if left out, for changes in this command's name; InputError says how to
-    make one."""
+    """Open an existing database, by default the home's, for changes in this command's name; otherwise InputError names
+    `lbr db init`."""
     path = path or home.default_database()
     if not path.exists():
         raise InputError(f"there is no database {path}; 'lbr db init' makes one", "unknown_name")
@@ -34,8 +34,7 @@ def opened(path: Path | None = None) -> "Database":
 
 
 def robot_in(database: "Database", named: str | None = None) -> str:
-    """Return the robot that is named, the only one in a database, or of several the one that `lbr run` starts when
-    nothing is said."""
+    """Return the named robot, the only one in a database, or of several the default one of `lbr run`."""
     if named is not None:
         return database.robots(named)[0]
     names = database.robots()
@@ -58,24 +57,24 @@ def _is_same(one: Path, other: Path) -> bool:
 
 
 def with_words(rows: RobotRows) -> RobotRows:
-    """Return a robot's rows with the verbs that its kinds bring; as they are if they make no robot."""
+    """Return a robot's rows with the verbs of its kinds; unchanged if they make no robot."""
     made, _ = planned(rows)
     return made.rows if made is not None else rows
 
 
 def problems_of(rows: RobotRows) -> tuple[Problem, ...]:
-    """Return what a start would find wrong with a robot's rows."""
+    """Return the problems that a start would find in a robot's rows."""
     return planned(rows)[1]
 
 
 def judged(rows: RobotRows) -> tuple[list[str], list[str]]:
-    """Return what a start would find wrong with a robot's rows, and what is odd in rows that are good."""
+    """Return the problems that a start would find in a robot's rows, and the oddities of good rows."""
     made, problems = planned(rows)
     return [str(problem) for problem in problems], list(hints(made, home.home())) if made is not None else []
 
 
 def wiring_of(rows: RobotRows, kind: str) -> frozenset[str] | None:
-    """Return the inputs and requests of a kind that are wired on a robot; None if nothing of that kind would run."""
+    """Return the wired inputs and requests of a kind on a robot; None if no capability of that kind would run."""
     made, _ = planned(rows)
     units = [one for one in made.units.values() if one.kind == kind] if made is not None else []
     return frozenset((*units[0].config.wiring, *units[0].config.requests)) if units else None
@@ -86,7 +85,7 @@ def planned(
 ) -> "tuple[Plan | None, tuple[Problem, ...]]":
     """Return the plan of a robot's rows, None if they make no plan, and the problems of these rows.
 
-    Without a profile, the plan is of a simulation. Rows of a running robot follow those `before`.
+    Without a profile, the plan is of a simulation. For a running robot, `before` are its present rows.
     """
     site = RunIdentity(home=str(home.home()), endpoints=(), secret=bytes(32))
     return planner.make(rows, profile or Profile(robot=rows.robot.name, simulate=True), site, before=before)

@@ -16,7 +16,7 @@ class RunCommand(click.Command):
     """Names the launch profiles in its help."""
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
-        """Write which profiles there are."""
+        """Write the list of launch profiles."""
         with formatter.section("Profiles"):
             formatter.write_dl(
                 [
@@ -45,11 +45,11 @@ class RunCommand(click.Command):
 )
 @click.option("-v", "--verbose", is_flag=True, help="Show at the console what each part reports while it starts.")
 def command(profile: str, database: Path | None, listen: tuple[str, ...], no_console: bool, verbose: bool) -> int:
-    """Start a robot with launch profile PROFILE (default lbr-sim); 'lbr robots' lists what there is.
+    """Start a robot with launch profile PROFILE (default lbr-sim); 'lbr robots' lists them.
 
-    The console shows the address of the page, how a phone gets in, and what does not work, with its cure.
-    A robot of a package brings its rows into the database when it runs for the first time.
-    End of input and Ctrl-C at the console stop the motors and shut the robot down in order.
+    The console shows the address of the page, the access for a phone, and faults with their cures. A package's robot
+    adds its rows to the database at its first run. End of input and Ctrl-C at the console stop the motors and shut the
+    robot down in order.
     """
     home.begin()
     surroundings.forget_runtime()
@@ -59,7 +59,7 @@ def command(profile: str, database: Path | None, listen: tuple[str, ...], no_con
     surroundings.bound_heaps()
     surroundings.need_room_for_a_robot()
     if not no_console:
-        profiles.load(profile)  # a wrong one is told before what its console would lack
+        profiles.load(profile)  # a wrong profile is reported before a missing package of its console
         surroundings.need_a_console()
     with unhurried():
         code = run(profile, database, listen, console=not no_console, verbose=verbose)

@@ -1,4 +1,4 @@
-"""The package that `lbr new` writes: out of the templates beside this module, under an unused name."""
+"""The packages that `lbr new` writes from the templates beside this module, under an unused name."""
 
 import importlib.util
 import keyword
@@ -26,7 +26,7 @@ from lbr.robot.registry import plain
 
 What = Literal["robot", "driver", "servos", "wheels", "silent_wheels", "capability"]
 BASES: dict[What, What] = {"silent_wheels": "wheels"}
-"""Whose templates are written, but for those that it has itself."""
+"""Templates whose files complete those of another template."""
 BROUGHT: dict[Field, str] = {
     "robots": "a robot",
     "kinds": "a kind of capability",
@@ -40,7 +40,7 @@ _OURS = {"lbr", "lbr_client", "tests", "docs", "executive"}
 
 
 def write(template: What, name: str, into: Path) -> Path:
-    """Write a package into a folder of that name, whole or not at all; InputError says why not, and what would do."""
+    """Write a package into a folder of that name, whole or not at all; raise InputError with reason and cure."""
     check_name(template, name)
     if not into.is_dir():
         raise InputError(f"there is no folder {into}: make it first, or name another with --into")
@@ -62,7 +62,7 @@ def write(template: What, name: str, into: Path) -> Path:
 
 
 def files(template: What, name: str) -> Iterator[tuple[Path, str]]:
-    """Yield the files of a package: where in it, and what is in them."""
+    """Yield the files of a package: the path in it, and the content."""
     words = {
         "name": plain(name),
         "dash": name.replace("_", "-"),
@@ -86,7 +86,7 @@ def check_name(template: What, name: str) -> None:
 
 
 def next_steps(template: What, name: str, folder: Path) -> tuple[str, ...]:
-    """Return what to type next, as it works in this shell, and which page to read."""
+    """Return the next commands to type in this shell, and the page to read."""
     tools, extra = _tools(), "" if importlib.util.find_spec("pytest") is not None else "[test]"
     typed = f"./{folder}" if not folder.is_absolute() and folder.parts[0] != ".." else str(folder)
     page = {"robot": "robot_packages", "capability": "capabilities"}.get(template, "drivers")
@@ -99,19 +99,19 @@ def next_steps(template: What, name: str, folder: Path) -> tuple[str, ...]:
 
 
 def _hint(what: What, name: str) -> str:
-    """Return a name that would do, as a question; empty if that one would not either."""
+    """Return a proposal for a name, as a question; empty if that one is not usable either."""
     free = _NAME.fullmatch(name) and len(name) <= LONGEST and not any(_conflicts(what, plain(name)))
     return f"; did you mean '{name}'?" if free else ""
 
 
 def _near(name: str) -> str:
-    """Return the nearest that could be a name."""
+    """Return the most similar name of valid form."""
     apart = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "-", name).lower()
     return re.sub(r"[^a-z0-9]+", "-", apart).lstrip("-0123456789")[:LONGEST].strip("-")
 
 
 def _conflicts(template: What, name: str) -> Iterator[str]:
-    """Yield each owner that has the name already."""
+    """Yield why the name is already in use, for each owner."""
     if keyword.iskeyword(name):
         yield "is a word of Python itself"
     elif name in sys.stdlib_module_names:
@@ -129,7 +129,7 @@ def _conflicts(template: What, name: str) -> Iterator[str]:
 
 
 def _brought(name: str) -> Iterator[str]:
-    """Yield which packages bring something of that name."""
+    """Yield the packages that bring something of that name."""
     for field, kind in BROUGHT.items():
         known = {plain(one.name): one for one in plugins.every(field)}
         if name in known:
@@ -141,7 +141,7 @@ def _brought(name: str) -> Iterator[str]:
 
 
 def _word_of(name: str) -> str:
-    """Return what has brought a word of the console; empty if nothing has."""
+    """Return the source of a console word; empty without one."""
     if builtin.is_builtin(name):
         return "every robot"
     for kind in plugins.installed("kinds"):
@@ -162,15 +162,14 @@ def _templates(folder: Traversable, at: str = "") -> Iterator[tuple[str, str]]:
 
 
 def _required(version: str) -> str:
-    """Return which versions of lbr a package goes with that was begun on this one: until 1.0 each minor one may
-    change."""
+    """Return the versions of lbr for a package that was begun with this one: until 1.0 each minor version may
+    differ."""
     major, minor = (int(part) for part in version.split(".")[:2])
     return f"lbr>={major}.{minor},<{major}.{minor + 1}" if major == 0 else f"lbr>={major}.{minor},<{major + 1}"
 
 
 def _tools() -> str:
-    """Return what to write before `pip`, so that it is that of the Python that runs this; nothing where it is on the
-    path."""
+    """Return the prefix of `pip` for the running Python; empty if that one is on the path."""
     folder = Path(sys.executable).parent
     if (found := shutil.which("pip")) is not None and Path(found).parent == folder:
         return ""

@@ -1,4 +1,4 @@
-"""A full screen of text that is redrawn again and again."""
+"""A full screen of text that is redrawn repeatedly."""
 
 import time
 from collections.abc import Callable
@@ -15,6 +15,6 @@ def redraw(frame: Callable[[], str], every_s: float) -> NoReturn:
     with unhurried() as outlet, Live(Text(""), screen=True, auto_refresh=False) as live:
         while True:
             text = frame()
-            if not outlet.waiting:  # else the terminal is not being read, and would fall behind
+            if not outlet.waiting:  # otherwise the terminal does not read, and would fall behind
                 live.update(Text.from_ansi(text, no_wrap=True), refresh=True)
             time.sleep(every_s)

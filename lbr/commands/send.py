@@ -42,7 +42,7 @@ LOOK_S = 0.05
 )
 @json_option
 def command(words: tuple[str, ...], whom: Whom, hold_s: float, wait_s: float, as_json: bool) -> int:
-    """Say one console LINE, such as /r/0.2/0 or stop.
+    """Send one console LINE, such as /r/0.2/0 or stop.
 
     A motion without bounds is held for --hold seconds and then stopped; a bounded one lasts until its result. Ctrl-C
     stops it. stop and estop go to every robot that runs here, unless one is named. Exit code 0: done, 1: refused or
@@ -83,7 +83,7 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, wait_s: float, as
 
 
 def await_start(robot: str | None, wait_s: float) -> None:
-    """Wait for a robot whose start is under way, and report that; return at once for a robot that does not start."""
+    """Wait for a robot whose start is under way, and report that; return at once if it is not starting."""
     until, reported = time.monotonic() + wait_s, False
     while not any(robot in {None, one.robot} for one in home.running()):
         names = [name or "a robot" for name in home.starting() if not name or robot in {None, name}]
@@ -96,7 +96,7 @@ def await_start(robot: str | None, wait_s: float) -> None:
 
 
 def _stop_all(robots: list[Target], line: str, as_json: bool) -> int:
-    """Send a stop to each robot, and print each answer as it comes; no robot waits for another."""
+    """Send a stop to each robot, and print the answers as they come; no robot waits for another."""
     results: dict[str, ConsoleResult] = {}
     with ThreadPoolExecutor(len(robots)) as pool:
         asked = {pool.submit(_result, robot, line): robot.robot for robot in robots}

@@ -18,7 +18,7 @@ BOOTED = Path("/run/systemd/system")
 MACHINE = Path("/")
 TELL_S = 30.0
 RULED = ("tty", "usb", "usb-serial", "i2c-dev", "lirc")
-"""The subsystems that the device rules have something for; what is plugged in already is looked at again."""
+"""The subsystems with device rules; plugged-in devices are examined again."""
 
 profile_argument = click.argument("profile", default="lbr", shell_complete=complete_profile)
 user_option = click.option(
@@ -74,7 +74,7 @@ def install(
 ) -> int:
     """Make the robot with launch profile PROFILE (default lbr) a service; starts nothing.
 
-    May be repeated: user, right to power off and relay stay what they were unless something else is said.
+    May be repeated: user, right to power off and relay stay as they were unless an option changes them.
     """
     files = _files(profile, user, root, power_off=power_off, motor_relay=motor_relay)
     code = _report(lambda: placing.install(root, files, overwrite=overwrite, dry_run=dry_run))
@@ -89,7 +89,7 @@ def install(
 @dry_run_option
 @overwrite_option
 def remove(root: Path, dry_run: bool, overwrite: bool) -> int:
-    """Stop and forget the services, and take their files away. The robot's rows and logs stay."""
+    """Stop and remove the services and their files. The robot's rows and logs stay."""
     if (root / UNIT).exists() and os.access((root / UNIT).parent, os.W_OK):
         _tell(root, (("systemctl", "stop", "lbr@*.service"),), dry_run=dry_run)
     code = _report(
@@ -117,7 +117,7 @@ def _files(profile: str, user: str | None, root: Path, *, power_off: bool, motor
 
 
 def _user(user: str | None, root: Path) -> str:
-    """Return the user for the service: the given one, or the one before."""
+    """Return the user for the service: the given one, or the previous one."""
     unit = root / UNIT
     return user or (user_of(unit.read_text(errors="replace")) if unit.exists() else DEFAULT_USER)
 
@@ -137,7 +137,7 @@ def _report(do: Callable[[], Iterable[Step]]) -> int:
 
 
 def _disable(root: Path, *, dry_run: bool) -> list[Step]:
-    """Take away the links that start the services with the machine."""
+    """Remove the links that start the services with the machine."""
     links = sorted((root / "etc/systemd/system").glob("*.wants/lbr@*.service"))
     for link in () if dry_run else links:
         link.unlink()
@@ -145,7 +145,7 @@ def _disable(root: Path, *, dry_run: bool) -> list[Step]:
 
 
 def _tell(root: Path, commands: Iterable[tuple[str, ...]], *, dry_run: bool) -> None:
-    """Run what makes the running system take notice; what is missing or fails is said, and is no error."""
+    """Run the commands by which the running system learns of the change; missing or failed ones are only reported."""
     if root != MACHINE or not BOOTED.exists():
         return
     for words in commands:

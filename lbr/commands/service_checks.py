@@ -1,4 +1,4 @@
-"""The checks of `lbr doctor` on a machine where a robot is a service, or could be one; elsewhere none."""
+"""The checks of `lbr doctor` on a machine where a robot is a service, or could be one; skipped on others."""
 
 import grp
 import pwd
@@ -14,13 +14,13 @@ from lbr.commands.service import BOOTED, MACHINE
 PROPERTIES = ("Id", "ActiveState", "SubState", "Result", "WatchdogUSec", "NRestarts", "MainPID", "StatusText")
 ANSWER_S = 5.0
 LIMITS = {"watchdog": "WatchdogSec=10", "timeout": "TimeoutStartSec=600"}
-"""The bound to lengthen on a slow machine, by systemd's result of a service."""
+"""The bound to raise on a slow machine, by systemd's result of a service."""
 LEAST_NICE_LIMIT = 30
-"""The line in /proc/PID/limits when niceness may go down to -10: 20 less the niceness."""
+"""The limit in /proc/PID/limits at which niceness may go down to -10: 20 minus the niceness."""
 
 
 def services(root: Path = MACHINE, booted: Path = BOOTED) -> Iterator[Finding]:
-    """Look at the files, at what starts with the machine, and at what runs."""
+    """Check the files, the services that start with the machine, and those that run."""
     unit = root / unitfiles.UNIT
     if unit.exists():
         yield from _files(root)
@@ -34,7 +34,7 @@ def services(root: Path = MACHINE, booted: Path = BOOTED) -> Iterator[Finding]:
 
 
 def judged(properties: dict[str, str], limits: str) -> Finding:
-    """Return how it stands with one service, from what `systemctl show` and its limits say."""
+    """Return the state of one service, from `systemctl show` and its limits."""
     name, state = properties.get("Id", "?"), properties.get("ActiveState", "")
     about = f"service {name.removesuffix('.service')}"
     look = f"journalctl -u {name} -n 50"
@@ -70,7 +70,7 @@ def _files(root: Path) -> Iterator[Finding]:
     for name, text in unitfiles.files(unitfiles.DEFAULT_PROFILE, user, site, extras).items():
         path = root / name
         if path.parent.name.endswith(".service.d"):
-            continue  # of a profile, and which ones there are is not known here
+            continue  # of a profile; the list of profiles is unknown here
         about = f"file {path.name}"
         match placing.state(path, text):
             case "current":

@@ -38,9 +38,10 @@ def command(
 ) -> int:
     """Set one setting of one part, such as drive.max_power 0.3; all others stay. A running robot follows.
 
-    VALUE is JSON, or else a text: 0.3, true, '[100, 130]', slow, '"12"'. It is checked as a start would check it: exit
-    code 2 if it would be wrong, and nothing is changed. 'lbr db undo' takes it back, 'lbr get PART' lists what there
-    is.
+    VALUE is JSON, or else a text: 0.3, true, '[100, 130]', slow, '"12"'. It is checked as at a start: exit code 2 if it
+    is bad, and nothing is changed.
+
+    'lbr db undo' takes it back, 'lbr get PART' lists the settings.
     """
     part, name = parted(setting)
     if not name:
@@ -67,7 +68,7 @@ def parted(setting: str) -> tuple[str, str]:
 
 
 def meant(rows: "Database", robot: str | None, running: Iterable[str]) -> str:
-    """Return whose rows are meant: the named robot's, those of the only one that runs from them, or the usual one's."""
+    """Return the robot that is meant: the named one, the only one that runs from these rows, or the default one."""
     here = list(running)
     return robot_in(rows, robot or (here[0] if len(here) == 1 else None))
 
@@ -82,7 +83,7 @@ def refuse_unknown(part: str, names: Iterable[object], robot: str) -> None:
 
 
 def _read(value: str) -> Any:
-    """Return what was typed: JSON, or else a text."""
+    """Return a typed value: JSON, or else a text."""
     try:
         return json_strictly(value)
     except (ValueError, RecursionError):

@@ -1,4 +1,4 @@
-"""Commands that say lines to a robot."""
+"""Commands that send lines to a robot."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,7 +10,7 @@ from lbr.console.target import Target
 
 @contextmanager
 def speaking(robot: Target, program: str, *, answers_within_s: float = LINE_TIMEOUT_S) -> Iterator[BusOperator]:
-    """Connect to a robot as an operator that says lines, and hears nothing but their results."""
+    """Connect to a robot as an operator that sends lines, and receives only their results."""
     with target.connected(robot) as bus:
         speaker = BusOperator(
             bus,

@@ -20,12 +20,12 @@ POLL_S = 0.05
 @click.command("stop")
 @robot_options
 def command(whom: Whom) -> int:
-    """Shut a robot down in order, and wait until it is gone. (To stop driving only, say 'lbr send stop'.)"""
+    """Shut a robot down in order, and wait until it is gone. (To stop only the motion, use 'lbr send stop'.)"""
     robot = target.find(*whom)
     if robot.running is not None:
         with contextlib.suppress(ProcessLookupError):
             os.kill(robot.running.pid, signal.SIGTERM)
-            os.kill(robot.running.pid, signal.SIGCONT)  # what is frozen would never hear it
+            os.kill(robot.running.pid, signal.SIGCONT)  # a frozen process would not receive the signal
         until = time.monotonic() + GONE_S
         while any(one.pid == robot.running.pid for one in home.running()):
             if not time.monotonic() < until:

@@ -1,4 +1,4 @@
-"""`lbr token`: who may come in from other machines."""
+"""`lbr token`: access from other machines."""
 
 import datetime as dt
 import json
@@ -38,11 +38,11 @@ database_option = click.option(
 
 @click.group("token")
 def command() -> None:
-    """Let people and programs on other machines in, and lock them out again.
+    """Give people and programs on other machines access, and take it away again.
 
-    A token is a name with a role: view looks and stops, operate moves the robot too, admin does all there is. With
-    host, the machine of that name runs its share of the robot, looks and stops. A token is good for the bus, which
-    consoles and programs use, or for the web server, or for both.
+    A token is a name with a role: view looks and stops, operate also moves the robot, admin may do everything. With
+    host, the machine of that name runs its share of the robot, looks and stops. A token is valid for the bus, which
+    consoles and programs use, for the web server, or for both.
     """
 
 
@@ -67,9 +67,9 @@ def command() -> None:
 @click.option("--file", "path", type=FileName(), metavar="FILE", help="Also write a Zenoh configuration with it.")
 @database_option
 def add(name: str, role: str, good_for: str, expires: str | None, path: Path | None, database: Path | None) -> int:
-    """Make a token and print it, once: it is kept nowhere.
+    """Make a token and print it, once: it is not stored.
 
-    With --file, any Zenoh client gets in by that file alone: zenoh.open(zenoh.Config.from_file("phone.json5")).
+    With --file, any Zenoh client gets access by that file alone: zenoh.open(zenoh.Config.from_file("phone.json5")).
     """
     tokens.check_name(name)
     if good_for == "web" and (role == "host" or path is not None):
@@ -95,10 +95,8 @@ def add(name: str, role: str, good_for: str, expires: str | None, path: Path | N
 @database_option
 @json_option
 def list_tokens(database: Path | None, as_json: bool) -> int:
-    """List all tokens: whose, which role, for what, since when, until when. The tokens themselves are nowhere.
-
-    Of those that devices got for a code at the console, it is told from which address.
-    """
+    """List all tokens: name, role, use, begin and end. The tokens themselves are not stored. A token that a device got
+    for a code at the console is listed with the device's address."""
     with _opened(database) as rows:
         listed_tokens = rows.tokens()
     if as_json:
@@ -121,7 +119,7 @@ def list_tokens(database: Path | None, as_json: bool) -> int:
 @click.argument("name", shell_complete=complete_token)
 @database_option
 def revoke(name: str, database: Path | None) -> None:
-    """Take a token's rights away: who came in with it is out within a second, and stays out."""
+    """Revoke a token: its users are disconnected within a second, and stay out."""
     with _opened(database) as rows:
         rows.revoke_token(name)
 
@@ -132,7 +130,7 @@ def _opened(path: Path | None) -> "Database":
 
 
 def end_in(text: str) -> dt.datetime:
-    """Return the moment that long from now, such as `30d`."""
+    """Return the time that long from now, such as `30d`."""
     match = re.fullmatch(r"([1-9][0-9]{0,5})([mhdw])", text)
     if match is None:
         raise InputError(f"'{text[:40]}' is not a time from now: write 90m, 12h, 30d or 8w")
@@ -150,14 +148,14 @@ def state_of(token: TokenRow) -> str:
 
 
 def until_of(token: TokenRow) -> str:
-    """Return the end of a token as a list shows it, nothing if it has none."""
+    """Return the end of a token for a list, empty if it has none."""
     if token.revoked_at is not None:
         return f", until {token.revoked_at}"
     return f", until {token.expires_at}" if token.expires_at else ""
 
 
 def _listens(rows: "Database") -> tuple[str, ...]:
-    """Return the addresses at which a robot of these rows listens: by its run here, or else by its rows."""
+    """Return the addresses at which a robot of these rows listens: in its run here, otherwise by its rows."""
     for run in home.running():
         if Path(run.database) == rows.path and run.lan:
             return run.lan
@@ -170,7 +168,7 @@ def _listens(rows: "Database") -> tuple[str, ...]:
 
 
 def endpoints_of(listen: tuple[str, ...]) -> list[str]:
-    """Return where others find this machine: its addresses, with the ports it listens at."""
+    """Return the endpoints by which others reach this machine: its addresses, with its open ports."""
     endpoints = []
     for endpoint in listen or ("tls/0.0.0.0:7447",):
         protocol, _, place = endpoint.partition("/")
@@ -188,7 +186,7 @@ def _addresses() -> list[str]:
 
 @contextmanager
 def new_file(path: Path | None) -> Iterator[TextIO | None]:
-    """Open a file that is not there yet, before anything is made that it is for; it is gone again if that fails."""
+    """Open a new file before making its content; it is removed if that fails."""
     if path is None:
         yield None
         return
@@ -206,10 +204,11 @@ def new_file(path: Path | None) -> Iterator[TextIO | None]:
 
 
 def write_configuration(file: TextIO, token: Token, endpoints: list[str]) -> None:
-    """Write the settings of a client that comes in by this token."""
+    """Write the settings of a client that connects with this token."""
     _, certificate = credentials.bus_certificate()
     pem = certificate.read_text(encoding="ascii")
-    # each address once: a time to go on trying would all be spent on the first, which may lead nowhere from there
+    # each address is tried once: otherwise all the time would be spent on the first, which may be unreachable from
+    # there
     settings = client_settings(endpoints, token.credentials, certificate=pem, timeout_s=0.0)
     json.dump(settings, file, indent=2)
 

@@ -27,7 +27,7 @@ LISTEN_S = 1.0
 REFUSAL_S = 0.3
 POLL_S = 0.02
 DEEPEST = 60
-"""Columns of indentation; what is nested deeper stands in one line."""
+"""Columns of indentation; deeper levels stand in one line."""
 
 
 @click.group("topic")
@@ -39,7 +39,7 @@ def command() -> None:
 @robot_options
 @json_option
 def list_topics(whom: Whom, as_json: bool) -> int:
-    """List streams and commands, with message types and rates; listens a second for streams without a description."""
+    """List streams and commands, with message types and rates; waits a second for streams without a description."""
     with _bus(whom) as (bus, name, source):
         streams = topics.catalogue(bus, name, source)
         streams = sorted([*streams, *topics.undescribed(bus, name, streams, LISTEN_S)], key=lambda topic: topic.name)
@@ -58,7 +58,7 @@ def list_topics(whom: Whom, as_json: bool) -> int:
 @robot_options
 @json_option
 def info(topic: str, whom: Whom, as_json: bool) -> int:
-    """Describe a stream or command: its key, its message and what each field may be."""
+    """Describe a stream or command: its key, its message and the values of each field."""
     with _bus(whom) as (bus, name, source):
         key = topics.key_of(name, topic)
         known, wanted = _known(bus, name, source), key.partition("/")[2]
@@ -83,7 +83,8 @@ def info(topic: str, whom: Whom, as_json: bool) -> int:
 @click.option("--raw", is_flag=True, help="Print the payload's bytes as they are.")
 @json_option
 def echo(topic: str, whom: Whom, once: bool, raw: bool, as_json: bool) -> int:
-    """Print what a stream says, until Ctrl-C. If nothing comes for 2 s, standard error says why that may be."""
+    """Print the messages of a stream, until Ctrl-C. If nothing comes for 2 s, the possible reason goes to standard
+    error."""
     with _bus(whom) as (bus, name, source):
         key = topics.key_of(name, topic)
         feed = wire.Subscription(bus, key, depth=1000)
@@ -180,7 +181,7 @@ def _known(bus: Session, robot: str, source: str) -> list[Topic]:
 
 
 def _latest(bus: Session, key: str, known: list[Topic], source: str) -> list[RawMessage]:
-    """Ask a stream for its latest message; a command is never asked, because it would do what it is for."""
+    """Ask a stream for its latest message; a command is never asked, because that would carry it out."""
     streams = {topic.name for topic in known if topic.role == "stream"}
     return wire.ask(bus, key, None, source=source, timeout_s=1.0) if key.partition("/")[2] in streams else []
 
@@ -246,7 +247,7 @@ def rate_text(rate: Rate) -> str:
 
 
 def refusal_in(raw: RawMessage, key: str, source: str) -> str:
-    """Return what an event tells of a refusal of this key or sender, or nothing."""
+    """Return the text of an event that refuses this key or sender, otherwise an empty text."""
     value = value_of(raw.payload)
     if not isinstance(value, dict) or value.get("kind") != "refused":
         return ""

@@ -41,7 +41,7 @@ _HEAD = re.compile(
 
 
 class Site(Struct, frozen=True, kw_only=True):
-    """A machine as far as the files depend on it: the program, what of it is in hidden places, and the groups."""
+    """The facts about a machine that the files contain: the program, its parts in hidden places, and the groups."""
 
     program: tuple[str, ...]
     inside_hidden: tuple[Path, ...] = ()
@@ -49,7 +49,7 @@ class Site(Struct, frozen=True, kw_only=True):
 
 
 class Extras(Struct, frozen=True, kw_only=True):
-    """For some robots only: the right to power the computer off, and a UPS PIco whose relay feeds the motors."""
+    """For some robots only: the right to power off the computer, and a UPS PIco whose relay feeds the motors."""
 
     power_off: bool = False
     motor_relay: str = ""
@@ -59,7 +59,7 @@ NO_EXTRAS = Extras()
 
 
 def this_site(root: Path = Path("/")) -> Site:
-    """Return what the files depend on: the program that runs now, and the groups of the machine at `root`."""
+    """Return the running program, and the groups of the machine at `root`."""
     command = Path(sys.prefix) / "bin" / "lbr"
     program = (str(command),) if command.exists() else (sys.executable, "-m", "lbr.start")
     return Site(
@@ -80,7 +80,7 @@ def program_places() -> tuple[Path, ...]:
 
 
 def extras_of(root: Path) -> Extras:
-    """Return the extras that are installed at `root`, as far as this user may look: polkit's rules only root may."""
+    """Return the extras that are installed at `root`, as far as this user may read: polkit's rules only root may."""
     unit, power_off = root / RELAY_UNIT, False
     found = _RELAY.search(unit.read_text(errors="replace")) if unit.exists() else None
     with suppress(PermissionError):
@@ -89,7 +89,7 @@ def extras_of(root: Path) -> Extras:
 
 
 def files(profile: str, user: str, site: Site, extras: Extras = NO_EXTRAS) -> dict[str, str]:
-    """Return text by path, relative to the root of the machine; raise InputError for what no unit can say."""
+    """Return text by path, relative to the root of the machine; raise InputError for values that no unit can hold."""
     _check_user(user)
     for place in (*site.program[:1], *map(str, site.inside_hidden)):
         if not _PLAIN_PATH.fullmatch(place):
@@ -128,14 +128,14 @@ def instance_of(profile: str) -> tuple[str, Path | None]:
 
 
 def stamped(text: str, comment: str = "#") -> str:
-    """Put a head on a file that tells whether it was edited since."""
+    """Add a head to a file that later shows whether it was edited."""
     digest = hashlib.sha256(text.encode()).hexdigest()
     version = metadata.version("lbr")
     return f"{comment} Written by 'lbr service install', version {version}; sha256 of the lines below: {digest}\n{text}"
 
 
 def is_pristine(text: str) -> bool:
-    """Return whether a file is as it was written."""
+    """Return whether a file is unchanged since it was written."""
     head = _HEAD.match(text)
     return head is not None and hashlib.sha256(text[head.end() :].encode()).hexdigest() == head[2]
 
@@ -147,7 +147,7 @@ def user_of(unit: str) -> str:
 
 
 def unreadable(user: str) -> str:
-    """Return the first directory of the program that the user may not enter, or nothing."""
+    """Return the first directory of the program that the user may not enter, or an empty text."""
     try:
         known = pwd.getpwnam(user)
         uid, gids = known.pw_uid, {known.pw_gid, *(one.gr_gid for one in grp.getgrall() if user in one.gr_mem)}

@@ -25,12 +25,12 @@ from lbr.why.chain import explain
 from lbr.why.snapshot import Facts, Snapshot
 
 ANSWER_S = 1.5
-"""A robot that runs answers within a fifth of a second; one that does not by then is looked at from its rows."""
+"""A running robot answers within a fifth of a second; after this time, its rows are used instead."""
 EVENTS = 200
 
 
 def complete_part(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Return the parts that the rows here have, to complete a command line by."""
+    """Return the parts in the rows here, for completion."""
     path = home.default_database()
     found = {name for facts in _of_rows(path, None) for name in chain.names(facts)} if path.exists() else set()
     return [CompletionItem(name) for name in sorted(found) if name.startswith(begun)]
@@ -43,12 +43,10 @@ def complete_part(_context: click.Context, _parameter: click.Parameter, begun: s
 @click.option("-v", "--verbose", is_flag=True, help="Show the whole chain also if nothing is wrong.")
 @json_option
 def command(part: str, whom: Whom, database: Path | None, verbose: bool, as_json: bool) -> int:
-    """Say what holds PART still: the first link from what was asked to what moves, and what to type.
-
-    PART is a capability, a joint, a camera or another device, or a word of the console; without one it is all that
-    moves. A robot that does not run or does not answer is explained by its rows. Exit code 0: it was answered, 1: there
-    are no rows to answer from, 2: bad input.
-    """
+    """Explain why PART stands still: the first broken link from the command to the motor, and its cure. PART is a
+    capability, a joint, a camera or another device, or a word of the console; without one it is everything that moves.
+    A robot that does not run or does not answer is explained by its rows. Exit code 0: it was explained, 1: there are
+    no rows, 2: bad input."""
     answer = ask(part, whom, database)
     if as_json:
         print_json(answer)
@@ -59,7 +57,7 @@ def command(part: str, whom: Whom, database: Path | None, verbose: bool, as_json
 
 
 def ask(part: str, whom: Whom, database: Path | None) -> Chain:
-    """Return why a part stands still: by the robot's own word, or by its rows if it has none."""
+    """Return why a part stands still: by the robot's own answer, or by its rows without one."""
     began = time.monotonic()
     runs = [run for run in home.running() if whom.robot in {None, run.robot}]
     if not runs and not whom.connect:
@@ -82,7 +80,7 @@ def _answer(robot: Target, part: str) -> Chain:
 
 
 def _dead(part: str, robot: str | None, path: Path) -> Snapshot:
-    """Return what the rows say of a robot that does not run: the named one, else one that has such a part."""
+    """Return the facts of the rows about a robot that does not run: the named one, else one that has such a part."""
     if not path.exists():
         raise BusError(f"no robot runs here, and there are no rows in {path}; 'lbr run' makes them and starts one")
     found, usual = _of_rows(path, robot), profile.load(DEFAULT_PROFILE).robot
@@ -93,7 +91,7 @@ def _dead(part: str, robot: str | None, path: Path) -> Snapshot:
 
 
 def _silent(running: home.Running, waited_s: float) -> Snapshot:
-    """Return what is known of a robot that holds its lock and does not answer."""
+    """Return the known facts about a robot that holds its lock and does not answer."""
     path = Path(running.database)
     found = _of_rows(path, running.robot, running.profile) if path.exists() else []
     facts = found[0] if found else Facts(robot=running.robot, profile=running.profile)
@@ -115,7 +113,7 @@ def _snapshot(facts: Facts, executive: str, path: Path, waited_s: float = 0.0) -
 
 
 def _of_rows(path: Path, robot: str | None, profile: str = "") -> list[Facts]:
-    """Return what a database says of its robots, or of one of them."""
+    """Return a database's facts about its robots, or about one of them."""
     with opened(path) as database:
         names = [name for name in database.robots() if robot in {None, name}]
         all_rows = loaded(database, names)

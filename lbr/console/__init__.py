@@ -1,1 +1,1 @@
-"""The user interface in text: the grammar of lines, holding a motion, the terminal and the commands of `lbr`."""
+"""The user interface in text: the grammar of lines, held motions, the terminal and the commands of `lbr`."""

@@ -10,13 +10,13 @@ from lbr.console.verbs import OWN
 
 
 class LineCompleter(Completer):
-    """Completes lines from the entries that the robot gives; they may change while it runs."""
+    """Completes lines from the robot's entries, which may change while it runs."""
 
     def __init__(self, entries: Iterable[dict[str, Any]] = ()) -> None:
         self.entries = list(entries)
 
     def get_completions(self, document: Document, complete_event: CompleteEvent) -> Iterable[Completion]:
-        """Yield what may come next; at an empty line only on request."""
+        """Yield the possible continuations; at an empty line only on request."""
         text = document.text_before_cursor.lstrip()
         if not text and not complete_event.completion_requested:
             return
@@ -45,7 +45,7 @@ class LineCompleter(Completer):
                 yield Completion(entry["word"], -len(text), display_meta="end this external command")
 
     def _arguments(self, text: str) -> Iterator[Completion]:
-        """Yield the arguments that the row of an external command allows next."""
+        """Yield the arguments that the row of an external command permits next."""
         word, *given = text.split(" ")
         index, start = len([one for one in given[:-1] if one]), given[-1]
         for entry in self.entries:
@@ -71,13 +71,13 @@ class LineCompleter(Completer):
 
 
 def _bare(entry: dict[str, Any], word: str, entries: Iterable[dict[str, Any]]) -> bool:
-    """Return whether a word of lbr itself with one field may be said with a space: `why drive`."""
+    """Return whether a word of lbr itself with one field may be typed with a space: `why drive`."""
     alone = any(one.get("pattern") == word and one.get("target") == entry["target"] for one in entries)
     return alone and entry.get("word") == word and entry.get("pattern", "").count("/") == 2
 
 
 def _next(entry: dict[str, Any], index: int, start: str) -> Iterator[tuple[str, str, str]]:
-    """Yield what may stand at a field: the text to insert (nothing for a hint), how it is shown, and what it means."""
+    """Yield the continuations at a field: the text to insert (empty for a hint), its display, and its meaning."""
     wanted = entry["pattern"].split("/")[2:]
     if index >= len(wanted):
         return

@@ -1,4 +1,4 @@
-"""A question that a line left open: yes says it after all, anything else lets it be."""
+"""A line that asks for confirmation: yes sends it, anything else cancels it."""
 
 import time
 from collections.abc import Callable
@@ -12,7 +12,7 @@ LET_BE = "Nothing was done."
 
 
 class Confirmation:
-    """At most one open question; a late answer is taken as a line of its own."""
+    """At most one open question; a late answer counts as a line of its own."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
@@ -21,15 +21,15 @@ class Confirmation:
 
     @property
     def open(self) -> bool:
-        """Return whether an answer is waited for."""
+        """Return whether it waits for an answer."""
         return bool(self._line) and self._clock() < self._until
 
     def ask(self, result: ConsoleResult) -> None:
-        """Remember what a yes will say."""
+        """Keep the line that a yes will send."""
         self._line, self._until = result.confirm, self._clock() + VALID_S
 
     def answer(self, line: str) -> str | None:
-        """Return the line that this one means: itself, what it agrees to, or None if it was a no."""
+        """Return the line to send: this one, the confirmed one, or None after a no."""
         agreed, waited = self._line, self.open
         self._line = ""
         said = line.strip().lower()

@@ -1,20 +1,20 @@
-"""The watch on the operator's way to stop: nothing is kept moving for one who cannot stop it."""
+"""The watch on the operator's means to stop: no motion goes on for an operator who cannot stop it."""
 
 import time
 from collections.abc import Callable
 
 BEAT_S = 0.1
 FRESH_S = 0.5
-"""Five beats: a busy machine loses two, and a lease of 0.3 s on top of it still ends within a second."""
+"""Five beats: a busy machine loses two, and together with a lease of 0.3 s, a motion still ends within a second."""
 ASK_S = 0.25
 ANSWER_S = 1.0
-"""Longer than a poor radio link takes for an answer, and as long as an operator may be gone unnoticed."""
+"""Longer than an answer needs over a poor radio link; an operator who is away is noticed after this time."""
 STUCK_S = 0.4
-"""A line of 9600 baud takes a piece of output in 0.3 s."""
+"""A line of 9600 baud transmits a piece of output in 0.3 s."""
 
 
 class Ear:
-    """The pulse of the thread that would take a stop: it calls `beat` ten times a second; `also` may know more."""
+    """The pulse of the thread that receives stops: it calls `beat` ten times a second; `also` may add reasons."""
 
     def __init__(self, *, clock: Callable[[], float] = time.monotonic) -> None:
         self.also: Callable[[], str] = lambda: ""
@@ -22,19 +22,18 @@ class Ear:
         self._beaten = clock()
 
     def beat(self) -> None:
-        """Show that a stop would be heard now."""
+        """Report that a stop would be received now."""
         self._beaten = self._clock()
 
     def deaf(self, since: float) -> str:
-        """Return why what has been held since then must not go on, nothing if it may."""
+        """Return why a motion held since then must end, empty if it may go on."""
         if not self._clock() - max(self._beaten, since) <= FRESH_S:
             return f"the console was held up for {FRESH_S:g} s, and would not have heard a stop"
         return self.also()
 
 
 class Contact:
-    """Asks the terminal whether it is there, and knows since when it does not say so. One that never does is not asked
-    again."""
+    """Asks the terminal for a sign of life, and tracks since when it owes one; never asks a silent terminal again."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self.on_answer: Callable[[], None] = lambda: None
@@ -46,38 +45,38 @@ class Contact:
 
     @property
     def open(self) -> bool:
-        """Return whether an answer is still to come."""
+        """Return whether an answer is outstanding."""
         return self._asked is not None
 
     @property
     def awaited(self) -> bool:
-        """Return whether an answer may well come in a moment."""
+        """Return whether an answer may come in a moment."""
         return self._asked is not None and self._clock() - self._asked <= ANSWER_S
 
     def due(self, *, held: bool) -> bool:
-        """Return whether to ask now: once at the beginning, and then while something is held."""
+        """Return whether to ask now: once at the beginning, and then while a motion is held."""
         if not self._begun:
             return True
         return self._answers and held and not self.open and self._clock() - self._asked_last >= ASK_S
 
     def asked(self) -> None:
-        """Hear that the question went out."""
+        """Note that the question was sent."""
         self._begun = True
         self._asked = self._asked_last = self._clock()
 
     def answered(self) -> None:
-        """Hear of an answer."""
+        """Note an answer."""
         self._answers = True
         self._asked = None
         self.on_answer()
 
     def typed(self) -> None:
-        """Hear of a line: a terminal that sends one is there, and is asked again if it still owes an answer."""
+        """Note a line: a terminal that sends one is present, so a missing answer is asked for again."""
         if self.lost():
             self._asked = None
 
     def lost(self) -> str:
-        """Return why the terminal is taken for gone, nothing if it is not."""
+        """Return why the terminal counts as gone, empty if it does not."""
         if not self._answers or self._asked is None or self._clock() - self._asked <= ANSWER_S:
             return ""
         return f"the terminal has not answered for {ANSWER_S:g} s"

@@ -1,5 +1,4 @@
-"""Chooses the events that a console tells its operator: not those that the answers to its own lines have told
-already."""
+"""Chooses the events for a console's operator, without those that answers to its own lines have shown already."""
 
 import time
 from collections import deque
@@ -10,13 +9,13 @@ from lbr.messages.system import ConsoleResult, Event
 TOLD_S = 3.0
 FOR_THE_RECORD = frozenset({"holder"})
 OWN_DEEDS = frozenset({"python", "external", "pair", "edit"})
-"""The events of an operator's own line, whose answer has them."""
+"""The events of an operator's own line, whose answer contains them."""
 MOVERS = frozenset({"drive", "joints", "motions"})
-"""The end of a motion of their own is reported by the program that held it."""
+"""The program that holds their motion reports its end."""
 
 
 class EventFilter:
-    """Sifts events by whose they are and by what `source` was answered within the last seconds; from any thread."""
+    """Filters events by their sender, and by the answers that `source` got within the last seconds; for any thread."""
 
     def __init__(self, source: str, clock: Callable[[], float] = time.monotonic) -> None:
         self._source = source
@@ -25,7 +24,7 @@ class EventFilter:
         self._told: dict[str, tuple[float, str]] = {}
 
     def answered(self, result: ConsoleResult) -> None:
-        """Hear of what a line was answered."""
+        """Note the answer to a line."""
         self._answers.append((self._clock(), result.reason_code))
 
     def sifted(self, events: Iterable[Event]) -> list[Event]:
@@ -38,7 +37,7 @@ class EventFilter:
             return False
         relayed = event.subject in MOVERS and event.about in MOVERS
         if relayed and event.level == "info":
-            return False  # one that moves for a sender by another tells it itself
+            return False  # a mover that moves through another one reports it itself
         if (own or relayed) and event.code in self._answered():
             return False
         now = self._clock()

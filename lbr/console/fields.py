@@ -1,5 +1,4 @@
-"""The fields of a verb's message: a typed piece of text becomes a checked value, or a sentence saying what is
-allowed."""
+"""The fields of a verb's message: typed text becomes a checked value, or a sentence with the permitted values."""
 
 import math
 import re
@@ -18,7 +17,7 @@ Schema = Mapping[str, Any]
 MessageType = type[Struct] | Schema
 
 TYPED_MINIMUM = "x-typed-minimum"
-"""The key of a schema for the least that may be typed, where a message may have less."""
+"""The key in a schema for the lowest typed value, if the message permits a lower one."""
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)", re.ASCII)
 _WHOLE = re.compile(r"[+-]?[0-9]{1,18}", re.ASCII)
@@ -35,7 +34,7 @@ _UNITS = {
     "percent": "percent",
 }
 _NAMES = (NAME_PATTERN, NAME_OR_NONE_PATTERN)
-"""Names have no capitals: who types one, as in Forward, means the small letter."""
+"""Names have no capitals: a typed capital, as in Forward, means the small letter."""
 _FLAGS = {"true": True, "yes": True, "1": True, "on": True, "false": False, "no": False, "0": False, "off": False}
 
 
@@ -47,28 +46,28 @@ class Field(Struct, frozen=True):
 
     @property
     def word(self) -> str:
-        """The name as people say it, without its unit."""
+        """Return the name for people, without its unit."""
         stem, _, unit = self.name.rpartition("_")
         return stem if stem and unit in _UNITS else self.name
 
     @property
     def unit(self) -> str:
-        """The unit in words; empty if it has none."""
+        """Return the unit in words; empty if it has none."""
         return _UNITS.get(self.name.rpartition("_")[2], "") if self.word != self.name else ""
 
     @property
     def choices(self) -> tuple[str, ...]:
-        """The texts it may be; empty if it is no choice."""
+        """Return the permitted texts; empty if it is not a choice."""
         return tuple(str(value) for value in self.schema.get("enum", ()))
 
     @property
     def items(self) -> "Field | None":
-        """Return what each of a list is; None if it is no list."""
+        """Return the field of a list's items; None if it is not a list."""
         return Field(self.name, self.schema.get("items", {})) if self.schema.get("type") == "array" else None
 
     @property
     def allowed(self) -> str:
-        """Return what it may be, in words: `0 to 1`, `-360 to 360 degrees`, `forward, back or left`."""
+        """Return the permitted values in words: `0 to 1`, `-360 to 360 degrees`, `forward, back or left`."""
         if self.choices:
             return listed(list(self.choices))
         if self.items is not None:
@@ -87,7 +86,7 @@ class Field(Struct, frozen=True):
         return " ".join(filter(None, [bounds or open_ended or whole, self.unit]))
 
     def read(self, text: str) -> Any:
-        """Return the value that a piece of a line means; raise InputError saying what is allowed."""
+        """Return the value of a piece of a line; raise InputError with the permitted values."""
         if self.choices:
             return self._choice(text)
         if self.items is not None:
@@ -151,11 +150,11 @@ class Message:
         self._properties, self._required, self._definitions = _properties(schema)
 
     def field(self, name: str) -> Field:
-        """Return a field; one that no type describes is a text."""
+        """Return a field; without a type, it is a text."""
         return Field(name, _resolved(self._properties.get(name, {"type": "string"}), self._definitions))
 
     def check(self, payload: Mapping[str, object]) -> None:
-        """Raise InputError if the whole does not make a message."""
+        """Raise InputError if the fields together make no message."""
         if self._type is not None:
             try:
                 msgspec.convert(payload, self._type)

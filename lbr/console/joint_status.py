@@ -1,4 +1,4 @@
-"""The status bar of a humanoid: its joints in a few words, and its power."""
+"""The status bar of a humanoid: a short summary of its joints, and its power."""
 
 from lbr.console.printable import short
 from lbr.messages.joints import JointsState, JointState
@@ -6,10 +6,10 @@ from lbr.messages.power import PowerState
 
 GOOD, DOUBTFUL, BAD = "class:good", "class:doubtful", "class:bad"
 Piece = tuple[int, str, str]
-"""Rank (the highest goes first where there is no room), style, text."""
+"""Rank (the highest is dropped first if there is no room), style, text."""
 
 HOT_C = 60.0
-"""From here on a joint's temperature is worth a look; small servos release at 70 by themselves."""
+"""From this temperature on, a joint is worth a look; small servos release at 70 by themselves."""
 _PHASES = {
     "released": ("", "torque off"),
     "following": ("", "holding"),
@@ -19,7 +19,7 @@ _PHASES = {
 
 
 def joints(state: JointsState) -> list[Piece]:
-    """Return what the joints do, who moves them, what is latched, the hottest and the lowest voltage."""
+    """Return the state of the joints, their sender, the latches, the hottest joint and the lowest voltage."""
     pieces: list[Piece] = [(2, *_doing(state))]
     latched = [f"{name} {' and '.join(one.latched)}" for name, one in state.joints.items() if one.latched]
     if latched:
@@ -31,7 +31,7 @@ def joints(state: JointsState) -> list[Piece]:
 
 
 def power(state: PowerState) -> list[Piece]:
-    """Return where the power comes from, or how soon it is shut off."""
+    """Return the source of the power, or how soon it is switched off."""
     if state.phase in {"countdown", "parking", "powering_off"}:
         left = f" in {state.remaining_s:.0f} s" if state.remaining_s is not None else ""
         return [(1, BAD, f"SHUTDOWN{left}")]

@@ -1,4 +1,4 @@
-"""Keys as they come: what stops the robot is heard in them, whatever the line editor makes of them."""
+"""The keys of a terminal: stops are found in them before the line editor gets them."""
 
 import re
 import time
@@ -14,12 +14,14 @@ from lbr.console.stops import is_stop
 
 INTERRUPT = "\x03"
 LINES_AT_ONCE = 8
-"""More than people type while a busy machine holds the console up, and fewer than what is worth a paste."""
+"""More than people type while a busy machine delays the console, and fewer than a worthwhile paste."""
 CHARACTERS_AT_ONCE = 1000
-"""More than a key that is held down sends while the console is held up for ten seconds. Of some, such as a Tab, a busy
-machine takes a few a second, and what was typed behind them would wait for minutes."""
+"""More than a held key sends while the console is delayed for ten seconds.
+
+Of some keys, such as Tab, a busy machine processes a few a second: keys typed after them would wait for minutes.
+"""
 QUIET_S = 0.25
-"""The silence after a flood, or within a paste whose end got lost: slow lines pause for less."""
+"""The silence after a flood, or within a paste whose end was lost: slow lines pause for less."""
 LONGEST = 1000
 PASTE_BEGINS, PASTE_ENDS = "\x1b[200~", "\x1b[201~"
 CURSOR_IS_HERE = re.compile(r"\x1b\[[0-9]+;[0-9]+R")
@@ -31,7 +33,7 @@ _KEYS_BEFORE = re.compile(r"(?:\x1b[\[\]OP]?[0-9;<?M~]*|[\x00-\x1f\x7f\ufffd\udc
 
 
 class Heard(Struct, frozen=True):
-    """The stops in a piece of input, in their order; whether it is part of a flood, or its beginning."""
+    """The stops in a piece of input, in order, and whether it belongs to a flood, or begins one."""
 
     stops: tuple[str, ...] = ()
     flood: bool = False
@@ -39,10 +41,10 @@ class Heard(Struct, frozen=True):
 
 
 class Overhearing:
-    """Follows what is typed, piece by piece: hears stops in it, and knows a flood of lines from typing.
+    """Examines the input piece by piece: finds stops, and distinguishes a flood of lines from typing.
 
-    A stop word is heard although keys came before it that the editor takes for the beginning of something else: an
-    escape, a sequence cut short, a byte that is no text, a search, a paste that has no end. The content of a whole
+    A stop counts even after keys that the editor would treat as the beginning of something else. Such keys are an
+    escape, an incomplete sequence, a byte that is not text, a search, or a paste without end. The content of a complete
     paste is not run.
     """
 
@@ -55,10 +57,10 @@ class Overhearing:
         self._pasting = self._broken = False
 
     def hear(self, text: str, typed: int = 0) -> Heard:
-        """Take in the next piece, of a line of which `typed` characters are there.
+        """Examine the next piece of a line that already has `typed` characters.
 
-        A line that is longer than any may be is a flood, too: each of its characters takes the editor longer than the
-        one before.
+        A line that exceeds the longest permitted one is a flood, too: each of its characters takes the editor longer
+        than the previous one.
         """
         now = self._clock()
         paused, self._last = now - self._last >= QUIET_S, now
@@ -78,7 +80,7 @@ class Overhearing:
         return Heard(tuple(stops), flood=True, begins=begins)
 
     def forget_paste(self) -> None:
-        """Take a paste that has not ended for ended."""
+        """Treat a paste without end as ended."""
         self._pasting = self._broken = False
 
     def _stops(self, piece: str) -> list[str]:
@@ -94,9 +96,9 @@ class Overhearing:
 
 
 class Keyboard(PosixStdinReader):
-    """Reads keys for the editor. `on_stop` gets each stop at once, before the editor does; a flood never gets there.
+    """Reads keys for the editor. `on_stop` gets each stop at once, before the editor; a flood never reaches the editor.
 
-    `typed` says how many characters the editor has of a line.
+    `typed` returns the number of characters in the editor.
     """
 
     def __init__(
@@ -116,8 +118,7 @@ class Keyboard(PosixStdinReader):
         self._begun = ""
 
     def read(self, count: int = 1024) -> str:
-        """Return the text for the editor; a sequence that is cut off waits for its end, so that its rest is not
-        text."""
+        """Return the text for the editor; an incomplete sequence waits for its end, and never becomes text."""
         text = super().read(count)
         if not text:
             return text
@@ -129,7 +130,7 @@ class Keyboard(PosixStdinReader):
         return self._whole("" if overheard.flood else text)
 
     def forget(self) -> None:
-        """Forget a sequence that was begun and not ended."""
+        """Forget an incomplete sequence."""
         self._begun = ""
         self.overhearing.forget_paste()
 
@@ -143,14 +144,14 @@ class Keyboard(PosixStdinReader):
 def listen(
     source: Input, *, on_stop: Callable[[str], None], flooded: Callable[[], None], typed: Callable[[], int]
 ) -> None:
-    """Read a terminal's keys for stops, too."""
+    """Also examine a terminal's keys for stops."""
     if isinstance(source, Vt100Input):
         encoding = source.stdin.encoding or "utf-8"
         source.stdin_reader = Keyboard(source.fileno(), encoding, on_stop=on_stop, flooded=flooded, typed=typed)
 
 
 def begin_again(source: Input) -> None:
-    """Forget sequences and pastes that were begun and not ended."""
+    """Forget incomplete sequences and pastes."""
     if isinstance(source, Vt100Input):
         source.vt100_parser.reset()
         if isinstance(source.stdin_reader, Keyboard):

@@ -1,4 +1,4 @@
-"""Going on moving: repeats a motion command under its lease, and lets the lease lapse by simply ceasing."""
+"""A held motion: repeats a command under its lease, and lets the lease expire by ending the repetition."""
 
 import contextlib
 import threading
@@ -29,7 +29,7 @@ _results = Decoder(GoalResult)
 
 
 class Ending(msgspec.Struct, frozen=True, kw_only=True):
-    """The end of a held motion, for people and by its code: `good` if it was meant to end so."""
+    """The end of a held motion, for people and as a code; `good`: it was meant to end so."""
 
     good: bool
     text: str
@@ -39,7 +39,7 @@ class Ending(msgspec.Struct, frozen=True, kw_only=True):
 class LeaseKeeper:
     """Renews one hold at 10 Hz from a thread of its own, until it ends by itself, is released or dropped.
 
-    It ceases and stops the motion once `ear` is deaf: what renews is not what would hear a stop.
+    It ends and stops the motion once `ear` is deaf: another thread receives stops, and may hang.
     """
 
     def __init__(
@@ -74,21 +74,21 @@ class LeaseKeeper:
         self._thread.start()
 
     def release(self, why: str = "released") -> None:
-        """Cease to renew and stop the motion; return once it is acknowledged, or after a second."""
+        """End the renewal and stop the motion; return once it is acknowledged, or after a second."""
         self.drop(why, "stopped")
         stop(self._session, self.hold.stop_key, self._source, why)
 
     def drop(self, why: str = "superseded", code: Code = "superseded") -> None:
-        """Cease to renew, without a stop: another command has taken over."""
+        """End the renewal, without a stop: another command has replaced this one."""
         self._end(Ending(good=True, text=why, code=code))
 
     def wait(self, timeout_s: float | None = None) -> Ending | None:
-        """Wait for the end; None if it still goes on."""
+        """Wait for the end; None if the motion still goes on."""
         self._ended.wait(timeout_s)
         return self.ending
 
     def join(self) -> None:
-        """Wait until its thread no longer uses the session; a session must not close under a thread that uses it."""
+        """Wait until its thread no longer uses the session, which must not close before that."""
         if self._thread.is_alive() and self._thread is not threading.current_thread():
             self._thread.join(JOIN_S)
 
@@ -114,7 +114,7 @@ class LeaseKeeper:
                 if time.monotonic() >= due:
                     self._renew(lease)
                     due += PERIOD_S * max(1, int((time.monotonic() - due) / PERIOD_S))
-                if hold.goal and asked < 1 + lease.lost:  # it may have been told before it was listened for
+                if hold.goal and asked < 1 + lease.lost:  # the result may have been published before this subscribed
                     self._ask_result()
                     asked += 1
                 self._wake.wait(max(0.0, min(due - time.monotonic(), PERIOD_S)))
@@ -128,7 +128,7 @@ class LeaseKeeper:
                 results.close()
 
     def _renew(self, lease: LeaseClient) -> None:
-        with self._lock:  # once it has ended, nothing is sent any more: what follows is dated after the last renewal
+        with self._lock:  # after the end, nothing is sent: later messages are dated after the last renewal
             if self.ending is None:
                 lease.send(self.hold.payload)
 
@@ -183,7 +183,7 @@ class LeaseKeeper:
 
 
 def stop(session: Session, key: str, source: str, reason: str = "") -> bool:
-    """Ask for a stop; say whether it was acknowledged within a second."""
+    """Send a stop; return whether it was acknowledged within a second."""
     try:
         return bool(wire.ask(session, key, StopCommand(reason=reason[:200]), source=source, timeout_s=STOP_WAIT_S))
     except BusError:
@@ -191,7 +191,7 @@ def stop(session: Session, key: str, source: str, reason: str = "") -> bool:
 
 
 def describe(result: GoalResult) -> str:
-    """Say in one line how a bounded move or a turn ended."""
+    """Return in one line how a bounded move or a turn ended."""
     if result.result == "reached" and (result.turned_deg is not None or result.range_cm is None):
         return result.reason or f"done after {result.elapsed_s:.1f} s"
     at = f" at {result.range_cm:g} cm" if result.range_cm is not None else ""
@@ -202,7 +202,7 @@ def describe(result: GoalResult) -> str:
 
 
 def _how_far(result: GoalResult) -> str:
-    """Say how far the base came by then."""
+    """Return how far the base has moved by then."""
     if result.turned_deg is not None:
         return f", turned {result.turned_deg:.1f} degrees"
     return f", drove {abs(result.distance_m):.2f} m" if result.distance_m is not None else ""

@@ -21,11 +21,11 @@ FAILED, BAD_INPUT = 1, 2
 DROPPED_TOLD = 4
 POLL_S = 0.05
 ENDING_S = 0.5
-"""For the answer to the line that ends the robot, which comes while the console ends; a shutdown has 2.5 s."""
+"""The time for the answer to the line that ends the robot, which comes while the console ends; a shutdown has 2.5 s."""
 
 
 class Read(str):
-    """A line, and when it was read, by the monotonic clock; of a script it counts as read before all of it began."""
+    """A line, and when it was read, by the monotonic clock; for a script, the time before all of it began."""
 
     __slots__ = ("at",)
 
@@ -33,19 +33,19 @@ class Read(str):
 
 
 def read(text: str, at: float) -> Read:
-    """Return a line that was read then."""
+    """Return a line with the time at which it was read."""
     line = Read(text)
     line.at = at
     return line
 
 
 class Lines:
-    """Says lines in order, except empty ones and comments (`# …`). A bounded motion is waited for. An unbounded one is
-    held for `hold_s` if that is given, and otherwise until a later line moves or stops the robot, or the input ends.
+    """Sends lines in order, except empty ones and comments (`# …`), and waits for bounded motions.
 
-    A stop never waits for a motion's end. One that comes while a line is under way waits for no other line either: what
-    came before it and was not said yet is dropped. Each line is said with how long it has waited: what moves refuses
-    one that was written before another stopped the robot.
+    An unbounded motion is held for `hold_s` if that is given. Otherwise it ends when a later line moves or stops the
+    robot, or when the input ends. A stop waits neither for a motion's end nor for earlier lines: those that are not
+    sent yet are dropped. Each line carries its waiting time: movers refuse a line that was written before somebody else
+    stopped the robot.
     """
 
     def __init__(self, operator: BusOperator, out: IO[str], err: IO[str], *, hold_s: float | None = None) -> None:
@@ -60,7 +60,7 @@ class Lines:
         self._began = math.inf
 
     def run(self, lines: Iterable[str]) -> int:
-        """Say every line; return the worst line's exit code."""
+        """Send every line; return the worst line's exit code."""
         threading.Thread(target=self._read, args=(lines,), name="lines", daemon=True).start()
         try:
             while (taken := self._take()) is not None:
@@ -71,7 +71,7 @@ class Lines:
         return self._worst
 
     def close(self) -> None:
-        """End `run` from another thread; what is held is stopped."""
+        """End `run` from another thread; a held motion is stopped."""
         self.closing = True
         self._waiting.put((time.monotonic(), None))
 
@@ -84,14 +84,14 @@ class Lines:
             self._waiting.put((time.monotonic(), None))
 
     def _take(self) -> tuple[float, str] | None:
-        """Return when the next line came, and the line; None at the end."""
+        """Return the time of the next line, and the line; None at the end."""
         while not self._peek(POLL_S):
             self._operator.ear.beat()
         came, line = self._next.popleft()
         return None if self.closing or line is None else (came, line)
 
     def _peek(self, timeout_s: float) -> bool:
-        """Return whether a next line (or the end) is there, waiting a little for it."""
+        """Return whether a next line (or the end) has come, after a short wait."""
         if self._next:
             return True
         try:
@@ -119,7 +119,7 @@ class Lines:
             self._failed(ending.text, FAILED)
 
     def _submitted(self, line: str, came: float) -> ConsoleResult:
-        """Say a line and return its result; a stop that comes meanwhile is said at once."""
+        """Send a line and return its result; a stop that comes meanwhile is sent at once."""
         result: futures.Future[ConsoleResult] = futures.Future()
 
         def submit() -> None:
@@ -156,7 +156,7 @@ class Lines:
         return held.ending
 
     def _is_stop(self) -> bool:
-        """Return whether the next line is a stop; one that has come since the line under way began is the next."""
+        """Return whether the next line is a stop; a stop that came after the line under way counts as the next."""
         with contextlib.suppress(queue.Empty):
             while True:
                 self._next.append(self._waiting.get_nowait())
@@ -185,7 +185,7 @@ class Lines:
 
 
 def show(result: ConsoleResult, output: IO[str], errors: IO[str]) -> None:
-    """Print a result where it belongs, without control characters."""
+    """Print a result on the right stream, without control characters."""
     text = "\n".join(one_line(part) for part in result.text.splitlines())
     if text:
         print(text, file=errors if result.code else output, flush=True)
@@ -197,9 +197,9 @@ Announce = Callable[[ConsoleResult], None]
 def say_once(
     operator: BusOperator, line: str, *, hold_s: float, announce: Announce, beat: Callable[[], None] | None = None
 ) -> tuple[ConsoleResult, int, Ending | None]:
-    """Say one line and see its motion to the end; return its result, the exit code, and how a motion ended.
+    """Send one line and wait for the end of its motion; return its result, the exit code, and the motion's end.
 
-    `beat` is what beats at the operator's ear meanwhile, if this thread is not the one that would take a stop.
+    `beat` replaces the beats of this thread, if another one receives stops.
     """
     beat = beat or operator.ear.beat
     result = operator.submit(line)

@@ -1,4 +1,4 @@
-"""Consoles as processes have them: the robot's own, in a thread beside it, and one on a robot elsewhere."""
+"""The consoles of a process: the robot's own, in a thread of its own, and one on a robot elsewhere."""
 
 import atexit
 import contextlib
@@ -24,13 +24,13 @@ from lbr.messages.system import ConsoleResult
 LOCAL_SOURCE = "console"
 LEAVE_S = 3.0
 READY_S = 120.0
-"""On an emulated processor 15 s were too few. A failure ends the wait at once."""
+"""On an emulated processor, 15 s were too few. A failure ends the wait at once."""
 POLL_S = 0.05
 LAST_OUTPUT_S = 1.0
 
 
 class _Open:
-    """The console that is open in this process, so that its end can be asked for and waited for."""
+    """The open console of this process, so that it can be closed and waited for."""
 
     def __init__(self) -> None:
         self.over = threading.Event()
@@ -39,18 +39,18 @@ class _Open:
         self._close: Callable[[], None] = lambda: None
 
     def opened(self, close: Callable[[], None]) -> None:
-        """Say what closes it; if that was asked for meanwhile, close it."""
+        """Note how to close it; if that was requested meanwhile, close it."""
         self._close = close
         if self.leaving:
             close()
 
     def leave(self) -> None:
-        """Close it, or have that done as soon as it can be."""
+        """Close it, or have it closed as soon as possible."""
         self.leaving = True
         self._close()
 
     def end(self) -> None:
-        """Say that it has closed bus and terminal."""
+        """Note that it has closed bus and terminal."""
         self.leaving, self._close = False, lambda: None
         self.over.set()
 
@@ -64,10 +64,12 @@ def run_local(
     submit: Callable[[str, float], ConsoleResult],
     greeting: Greeting,
 ) -> int:
-    """Run the robot's own console in this thread, until it is left; `submit` says a line directly, and how long it
-    waited. A terminal shows the `greeting`."""
+    """Run the robot's own console in this thread, until it is left. A terminal shows the `greeting`.
+
+    `submit(line, waited_s)` sends a line directly.
+    """
     _open.over.clear()
-    atexit.register(leave)  # a thread must not be inside the bus library when the interpreter ends
+    atexit.register(leave)  # no thread may be inside the bus library when the interpreter ends
     try:
         with connect() as bus, connect() as streams:
             operator = BusOperator(bus, robot, LOCAL_SOURCE, submit=submit, streams=streams)
@@ -103,7 +105,7 @@ def _run(operator: BusOperator, *, greeting: Greeting | None = None, hold_s: flo
 
 
 def _run_lines(operator: BusOperator, *, local: bool, hold_s: float | None) -> int:
-    """Run lines from a pipe; unread results are left out, and only the end waits for their reader."""
+    """Run lines from a pipe; unread results are dropped, and only the end waits for their reader."""
     outlet = Outlet()
     output, err = (cast("IO[str]", Stream(outlet, stream.fileno(), strict=True)) for stream in (sys.stdout, sys.stderr))
     lines = Lines(operator, output, err, hold_s=hold_s)
@@ -122,7 +124,7 @@ def _run_lines(operator: BusOperator, *, local: bool, hold_s: float | None) -> i
 def _run_terminal(operator: BusOperator, greeting: Greeting | None) -> int:
     from lbr.console.terminal import Terminal  # noqa: PLC0415 - prompt-toolkit is for those who have a terminal
 
-    if _open.leaving:  # while that was loaded
+    if _open.leaving:  # during the imports above
         return 0
     terminal = Terminal(operator, greeting=greeting, history=home.home() / "history")
     _open.opened(terminal.close)
@@ -147,7 +149,7 @@ def _wait_ready(operator: BusOperator, lines: Lines) -> None:
 def lines_of(fd: int) -> Iterator[str]:
     """Yield the lines of a file descriptor as they come; bytes that are not UTF-8 are kept as lone surrogates.
 
-    Each knows when it was read (`Read`). Lines that are read at once were written together, as is a whole file.
+    Each has the time at which it was read (`Read`). Lines that are read together, such as a whole file, have one time.
     """
     rest, at = b"", 0.0
     with contextlib.suppress(OSError):

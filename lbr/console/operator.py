@@ -1,4 +1,4 @@
-"""Between a front end and a robot: submits lines, holds what moves, and keeps the latest that the robot says."""
+"""The link between a front end and a robot: sends lines, holds motions, and keeps the robot's latest messages."""
 
 import contextlib
 import threading
@@ -30,7 +30,7 @@ LINE_TIMEOUT_S = 600.0
 SETTLE_S = 0.6
 LATE_ANSWER_S = 1.0
 STOP_TIMEOUT_S = 5.0
-"""A stop is answered within 2 s, also where what moves does not answer."""
+"""A stop is answered within 2 s, even if a mover does not answer."""
 LET_GO = "the operator released it"
 
 _BUILT_IN = Vocabulary(())
@@ -39,7 +39,7 @@ T = TypeVar("T", bound=Struct)
 
 
 class Telemetry(Struct, frozen=True, kw_only=True):
-    """The latest of what a console shows; None where nothing fresh came."""
+    """The latest messages for a console; None without a fresh one."""
 
     status: Status | None = None
     status_age_s: float = 0.0
@@ -51,7 +51,7 @@ class Telemetry(Struct, frozen=True, kw_only=True):
 
 
 def emergency(line: str) -> str | None:
-    """Return the reason that an emergency stop gives, None if the line is not one: each robot knows its words."""
+    """Return the reason of an emergency stop, None for another line: each robot has its own words."""
     try:
         said = _BUILT_IN.parse(line)
     except InputError:
@@ -60,11 +60,11 @@ def emergency(line: str) -> str | None:
 
 
 class BusOperator:
-    """An operator over the bus; a console in the robot's own process passes `submit` to say its lines directly.
+    """An operator over the bus; a console in the robot's own process passes `submit` to send its lines directly.
 
-    Several threads may say lines at once. A motion goes on only while the thread that would take a stop beats at `ear`,
-    ten times a second. `streams` may be a second session, so that what the robot says never delays what is said to it.
-    `proof` is the token by which the session came in: lines are sealed with it, so that the robot knows whose they are.
+    Several threads may send lines at once. A motion goes on only while the thread that receives stops calls `ear.beat`,
+    ten times a second. `streams` may be a second session, so that the robot's messages never delay the lines. `proof`
+    is the session's token: it seals the lines, as a proof of their sender.
     """
 
     def __init__(
@@ -97,10 +97,11 @@ class BusOperator:
         self._latest: _Latest | None = _Latest(streams or session, robot) if listen else None
 
     def submit(self, line: str, waited_s: float = 0.0) -> ConsoleResult:
-        """Say a line, hold the motion that it starts, and return its result; InputError and BusError say why not.
+        """Send a line, hold the motion that it starts, and return its result; raise InputError or BusError with the
+        reason.
 
-        It was typed or written `waited_s` ago: what another stopped since then it does not move. Nothing is held where
-        a later line has been said meanwhile.
+        It was typed or written `waited_s` ago: it does not move a capability that somebody else has stopped since then.
+        No motion is held if a later line was sent meanwhile.
         """
         line = clean(stop_in(line) or line)
         if not line:
@@ -125,7 +126,7 @@ class BusOperator:
         return result
 
     def words(self) -> list[dict[str, Any]]:
-        """Return what can be said, for completion; empty if the robot does not answer."""
+        """Return the robot's words, for completion; empty if the robot does not answer."""
         try:
             data = self._submit("help", 0.0).data
         except (BusError, InputError):
@@ -133,7 +134,7 @@ class BusOperator:
         return [entry for entry in data if isinstance(entry, dict)] if isinstance(data, list) else []
 
     def telemetry(self) -> Telemetry:
-        """Return the latest; nothing if it does not listen."""
+        """Return the latest messages; empty if it does not listen."""
         return self._latest.telemetry() if self._latest else Telemetry()
 
     def events(self) -> list[Event]:
@@ -141,12 +142,12 @@ class BusOperator:
         return self._news.sifted(self._latest.events()) if self._latest else []
 
     def held(self) -> LeaseKeeper | None:
-        """Return what is being held."""
+        """Return the held motion."""
         holder = self._holder
         return holder if holder is not None and holder.ending is None else None
 
     def latest(self) -> LeaseKeeper | None:
-        """Return what was held last, whether or not it has ended."""
+        """Return the last held motion, whether or not it has ended."""
         return self._holder
 
     def release(self, why: str = LET_GO) -> None:
@@ -159,7 +160,7 @@ class BusOperator:
             holder.release(why)
 
     def _cease(self) -> None:
-        """Renew no more what we hold: a stop is on its way, and what it needs to arrive may hang."""
+        """End the renewal of our motion: a stop is on its way, and may be delayed."""
         with self._lock:
             holder = self._holder
         if holder is not None and holder.ending is None:
@@ -167,13 +168,13 @@ class BusOperator:
             holder.drop()
 
     def _press(self, reason: str) -> None:
-        """Tell what moves directly: whatever hangs in the executive does not delay it. The line latches it there."""
-        with contextlib.suppress(BusError):  # a closed session: the line says so
+        """Send the stop directly to the movers, in case the executive hangs. The line latches it there."""
+        with contextlib.suppress(BusError):  # a closed session: the line reports that
             request = EstopRequest(engaged=True, reason=reason[:200])
             wire.put(self._session, keys.estop(self.robot), request, source=self._source, urgent=True)
 
     def close(self) -> None:
-        """Release, and stop listening."""
+        """Stop our motion, and stop listening."""
         self.release()
         if self._holder is not None:
             self._holder.join()
@@ -197,7 +198,7 @@ class BusOperator:
         holder.start()
 
     def _too_late(self, hold: Hold, late_s: float) -> ConsoleResult:
-        """Refuse what was wanted a while ago: it may be wrong now."""
+        """Refuse a motion that was requested a while ago: it may be wrong now."""
         stop(self._session, hold.stop_key, self._source, "the answer came too late")
         return ConsoleResult(
             code=1,
@@ -238,7 +239,7 @@ class BusOperator:
 
 
 class _Latest:
-    """The newest message of each stream, decoded only when looked at."""
+    """The newest message of each stream, decoded only when needed."""
 
     FRESH_S = 2.0
 

@@ -1,4 +1,4 @@
-"""Output that no caller waits for: a thread of its own writes, and what is not read is left out and counted."""
+"""Output that no caller waits for: a thread of its own writes it; unread output is dropped and counted."""
 
 import contextlib
 import os
@@ -12,7 +12,7 @@ from typing import IO, cast
 
 LIMIT_BYTES = 1_000_000
 CHUNK_BYTES = 256
-"""Written at a time, so that a terminal of 9600 baud shows progress every 0.3 s."""
+"""The size of one write, so that a terminal of 9600 baud shows progress every 0.3 s."""
 ROOM_S = 0.1
 ERROR_S = 0.1
 LAST_OUTPUT_S = 0.3
@@ -35,22 +35,21 @@ class Outlet:
 
     @property
     def waiting(self) -> int:
-        """Return how many bytes have not been taken yet."""
+        """Return the number of bytes that are not written yet."""
         return self._size
 
     @property
     def stuck_s(self) -> float:
-        """Return for how long nothing at all has been taken of what waits."""
+        """Return how long no waiting byte has been written."""
         since = self._since
         return 0.0 if since is None else time.monotonic() - since
 
     def error(self, fd: int) -> OSError | None:
-        """Return why nothing more can be written there, if so."""
+        """Return why the descriptor accepts no more, if so."""
         return self._errors.get(fd)
 
     def write(self, fd: int, data: bytes) -> bool:
-        """Queue bytes for a descriptor; say whether there was room. Output that cannot be written any more is accepted
-        as well."""
+        """Queue bytes for a descriptor; return whether there was room. A broken descriptor accepts them, too."""
         with self._changed:
             if not data or self._closed or fd in self._errors:
                 return True
@@ -66,18 +65,18 @@ class Outlet:
         return True
 
     def drain(self, within_s: float | None = None) -> bool:
-        """Wait until all has been taken; say whether it was."""
+        """Wait until all bytes are written; return whether they were."""
         with self._changed:
             return self._changed.wait_for(lambda: not self._size, within_s)
 
     def close(self) -> None:
-        """Take no more; what waits is dropped."""
+        """Accept no more; waiting bytes are dropped."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()
 
     def _opened(self, fd: int) -> bool:
-        """Keep a descriptor of our own, which is not closed while a write to it is under way."""
+        """Duplicate a descriptor, so that nobody closes it during a write."""
         try:
             self._own[fd] = os.dup(fd)
         except OSError as err:
@@ -92,7 +91,7 @@ class Outlet:
             os.close(own)
 
     def _next(self) -> bool:
-        """Write one piece; say whether to go on."""
+        """Write one piece; return whether to go on."""
         with self._changed:
             self._changed.wait_for(lambda: self._waiting or self._closed)
             if self._closed:
@@ -118,7 +117,7 @@ class Outlet:
                 try:
                     piece = piece[os.write(own, piece) :]
                     self._since = time.monotonic()
-                except BlockingIOError:  # who shares the descriptor made it non-blocking
+                except BlockingIOError:  # another owner of the descriptor made it non-blocking
                     select.select([], [own], [], ROOM_S)
         except OSError as err:
             self._errors[fd] = err
@@ -129,9 +128,9 @@ class Outlet:
 
 
 class Stream:
-    """A text file over an outlet. Lines for which there is no room are counted; the next that fit say how many.
+    """A text file over an outlet. Lines without room are dropped, and their number is written with the next line.
 
-    `strict` raises what writing has failed with; otherwise it is lost in silence.
+    `strict` raises errors of writing; otherwise they are ignored.
     """
 
     encoding = "utf-8"
@@ -145,7 +144,7 @@ class Stream:
         self._left_out = 0
 
     def write(self, text: str) -> int:
-        """Take text; whole lines go out at once."""
+        """Accept text; whole lines are written at once."""
         with self._lock:
             self._rest += text
             if "\n" in text:
@@ -153,12 +152,12 @@ class Stream:
         return len(text)
 
     def writelines(self, lines: Iterable[str]) -> None:
-        """Take several texts."""
+        """Accept several texts."""
         for line in lines:
             self.write(line)
 
     def flush(self) -> None:
-        """Send what is there of a line; waits for nothing."""
+        """Write the beginning of a line, without waiting."""
         with self._lock:
             self._send()
 
@@ -195,7 +194,7 @@ def unhurried() -> Iterator[Outlet]:
 
 
 def settle() -> None:
-    """Give what was printed a moment to be read."""
+    """Give printed output a moment to be read."""
     if isinstance(out := sys.stdout, Stream):
         out.flush()
         out.outlet.drain(LAST_OUTPUT_S)
@@ -216,5 +215,5 @@ def say(line: str) -> str:
 
 
 def left_out(lines: int) -> str:
-    """Say what a reader who is back has missed."""
+    """Return the report for a reader who missed lines."""
     return f"({lines} {'line was' if lines == 1 else 'lines were'} not read in time and left out)"

@@ -1,4 +1,4 @@
-"""The characters of a line, and a value as it is shown back to the person who typed it."""
+"""The characters of a line, and the display of a value to the person who typed it."""
 
 import re
 import textwrap
@@ -10,13 +10,13 @@ from lbr.messages.plain import one_line
 MAX_LINE = 4096
 SHOWN = 60
 BLANK = " \t\r\n\ufeff\u200b\u2060"
-"""The invisible characters at a line's ends, from editors and web pages: the last three have no width."""
+"""Invisible characters at a line's ends, from editors and web pages: the last three have no width."""
 _REFUSED = frozenset({"Cc", "Cs", "Cn", "Zl", "Zp"})
 _TURNERS = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")  # they reorder text
 
 
 def clean(line: str | bytes) -> str:
-    """Return a line without the blanks around it; raise InputError if it is no line that a person would type."""
+    """Return a line without the blanks around it; raise InputError for a line that a person would not type."""
     if len(line) > MAX_LINE:
         raise InputError(f"the line is too long: {MAX_LINE} characters are allowed")
     if isinstance(line, bytes):
@@ -37,8 +37,7 @@ def clean(line: str | bytes) -> str:
 
 
 def bare(text: str, also: str = "") -> str:
-    """Return a text without what nobody sees around it, control characters and such marks as a file begins with, and
-    without the characters of `also`."""
+    """Return a text without blanks, control characters, file marks and those of `also` at its ends."""
     begin, end = 0, len(text)
     while begin < end and _bare(text[begin], also):
         begin += 1
@@ -58,7 +57,7 @@ def short(value: object) -> str:
 
 
 def wrapped(text: str, width: int) -> str:
-    """Return a text with long lines broken at blanks; a line of two columns goes on below its second column."""
+    """Return a text with long lines broken at blanks; a line of two columns continues below its second column."""
     lines = []
     for line in text.splitlines():
         safe = one_line(line)

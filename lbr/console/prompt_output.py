@@ -1,7 +1,7 @@
-"""Text above a prompt: whatever is printed, from whichever thread, appears above the input line and never inside it.
+"""Text above a prompt: the output of all threads appears above the input line and never inside it.
 
-Nothing here waits for the terminal. While it takes no output the prompt is not drawn, and text waits in a bounded
-store.
+Nothing here waits for the terminal. While the terminal accepts no output, the prompt is not drawn, and text waits in a
+bounded store.
 """
 
 import contextlib
@@ -18,10 +18,10 @@ from prompt_toolkit.renderer import Renderer
 
 from lbr.console.outlet import Outlet, Stream, left_out
 
-GATHER_S = 0.02  # what is printed within this long appears in one step
+GATHER_S = 0.02  # output within this time appears in one step
 AGAIN_S = 0.05
 AHEAD_BYTES = 4_000
-"""No more is drawn while so much has not been taken: what a Linux terminal takes in itself."""
+"""With so many unwritten bytes, nothing more is drawn: a Linux terminal buffers as many."""
 STEP_CHARS = 16_000
 KEPT_CHARS = 1_000_000
 
@@ -33,7 +33,7 @@ class Screen(Vt100_Output):
 
     @classmethod
     def on(cls, stdout: TextIO, term: str | None = None) -> "Screen":
-        """Return the screen that a text file leads to."""
+        """Return the screen behind a text file."""
         sizes = Vt100_Output.from_pty(stdout, term=term)
         outlet = Outlet()
         screen = cls(cast("TextIO", Stream(outlet, stdout.fileno())), sizes.get_size, term=term)
@@ -42,16 +42,16 @@ class Screen(Vt100_Output):
 
     @property
     def free(self) -> bool:
-        """Return whether the terminal takes what is written."""
+        """Return whether the terminal accepts output."""
         return self.outlet.waiting < AHEAD_BYTES
 
     def get_rows_below_cursor_position(self) -> int:
-        """Return the one row that there is for sure."""
+        """Return one, the only number of rows that is certain."""
         return 1
 
 
 class PatientRenderer(Renderer):
-    """Draws only while the screen takes output, so that what was drawn last is what the terminal shows."""
+    """Draws only while the screen accepts output, so that the terminal shows what was drawn last."""
 
     def __init__(self, plain: Renderer, screen: Screen) -> None:
         super().__init__(plain.style, screen, plain.full_screen, plain.mouse_support, plain.cpr_not_supported_callback)
@@ -66,7 +66,7 @@ class PatientRenderer(Renderer):
 
 
 class PromptOutput:
-    """Writes text above the prompt of an application; what comes before it runs or after its end is not lost."""
+    """Writes text above the prompt of an application; text before its start or after its end is kept."""
 
     def __init__(self, app: Application[Any], screen: Screen) -> None:
         self._app = app
@@ -82,11 +82,11 @@ class PromptOutput:
 
     @property
     def size(self) -> Size:
-        """Return how large the terminal is."""
+        """Return the size of the terminal."""
         return self._screen.get_size()
 
     def print(self, text: str) -> None:
-        """Show whole lines, from any thread; the oldest are left out where the terminal does not take them."""
+        """Show whole lines, from any thread; if the terminal does not accept them, the oldest are dropped."""
         with self._lock:
             for line in text.split("\n"):
                 self._waiting.append(line + "\n")
@@ -100,19 +100,19 @@ class PromptOutput:
                 self._schedule(GATHER_S)
 
     def started(self) -> None:
-        """Show what waits; to be called when the application begins to run."""
+        """Show the waiting text; to be called when the application begins to run."""
         with self._lock:
             self._schedule(GATHER_S)
 
     def ended(self) -> None:
-        """Show what waits, and from now on write at once; to be called when the application has ended."""
+        """Show the waiting text, and from now on write at once; to be called when the application has ended."""
         with self._lock:
             self._over = True
             self._write(self._size)
 
     @contextlib.contextmanager
     def catching(self, show: Callable[[str], None]) -> Iterator[None]:
-        """Hand the lines that others print to standard output and error meanwhile to `show`."""
+        """Pass the lines that others print to standard output and error meanwhile to `show`."""
         caught = cast("IO[str]", _Printed(show))
         with contextlib.redirect_stdout(caught), contextlib.redirect_stderr(caught):
             yield
@@ -122,7 +122,7 @@ class PromptOutput:
         if loop is None or context is None:
             return
         try:
-            # The callback must see this application as the running one, whichever thread prints.
+            # The callback must find this application as the running one, whichever thread prints.
             copied = context.copy()
             loop.call_soon_threadsafe(lambda: loop.call_later(after_s, self._show, context=copied), context=copied)
             self._scheduled = True
@@ -130,7 +130,7 @@ class PromptOutput:
             pass
 
     def _draw_late(self) -> None:
-        """Draw the part that had no room before, now that the terminal has room."""
+        """Draw the part that was left out, now that the terminal has room."""
         if self._renderer.late and self._screen.free:
             self._app.invalidate()
 
@@ -163,7 +163,7 @@ class PromptOutput:
 
 
 class _Printed:
-    """A file that hands on whole lines."""
+    """A file that passes on whole lines."""
 
     encoding = "utf-8"
 
@@ -180,7 +180,7 @@ class _Printed:
         return len(text)
 
     def flush(self) -> None:
-        """Wait for the end of the line."""
+        """Do nothing: a line is passed on at its end."""
 
     def isatty(self) -> bool:
         return False

@@ -13,8 +13,11 @@ NS = 1e9
 
 
 class Rate(Struct, frozen=True, kw_only=True):
-    """One publisher of a stream. `publisher_hz`, periods and loss are by its own sequence numbers and clock; null where
-    it gives none, and ages are null across machines, whose clocks cannot be compared."""
+    """One publisher of a stream.
+
+    `publisher_hz`, periods and loss are by its own sequence numbers and clock, and null without them. Ages are null
+    across machines, whose clocks cannot be compared.
+    """
 
     key: str
     source: str
@@ -31,7 +34,7 @@ class Rate(Struct, frozen=True, kw_only=True):
 
 
 def measure(arrivals: Iterable[Arrival], seconds: float, *, boot: str = "") -> list[Rate]:
-    """Return the rate of each publisher among what arrived within `seconds`."""
+    """Return the rate of each publisher among the arrivals within `seconds`."""
     groups: dict[tuple[str, str], list[tuple[Arrival, Stamp | None]]] = {}
     for arrival in arrivals:
         stamp = stamps.read(arrival.attachment)

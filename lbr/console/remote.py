@@ -1,4 +1,4 @@
-"""Reaching a robot on another machine: is it the robot that the token is for, does it let us in, and as what?"""
+"""Connecting to a robot on another machine: is it the robot of the token, does it accept us, and in which role?"""
 
 import socket
 import ssl
@@ -28,7 +28,7 @@ HOW = "'lbr token add NAME' at the robot makes one"
 
 
 class Entry(Struct, frozen=True, kw_only=True):
-    """The credentials for a robot elsewhere: our name and secret, and the only certificate that it may show (PEM)."""
+    """The credentials for a robot elsewhere: name and secret, and the only certificate that it may present (PEM)."""
 
     credentials: Credentials
     certificate: str
@@ -39,13 +39,13 @@ class AbsentError(BusError):
 
 
 class RefusedError(BusError):
-    """The robot there does not let us in, and will not unless something is done about it."""
+    """The robot there refuses us, and will until somebody changes that."""
 
 
 def enter(endpoint: str, token_file: Path | None) -> Entry:
-    """Return the entry to an endpoint; BusError or InputError is the reason, in one sentence, if there is none.
+    """Return the entry to an endpoint; otherwise raise BusError or InputError with the reason, in one sentence.
 
-    A token that was typed is saved once it has let us in.
+    A typed token is saved once the robot has accepted it.
     """
     der = certificate_at(endpoint)
     refused = ""
@@ -66,7 +66,7 @@ def enter(endpoint: str, token_file: Path | None) -> Entry:
 
 
 def role_at(bus: Session, robot: str, source: str) -> Role:
-    """Return the most that a robot lets us do, by where it takes our console lines."""
+    """Return our highest role at a robot, by the key on which it accepts our console lines."""
     asked: dict[Role, wire.PendingQuery] = {
         role: wire.PendingQuery(bus, keys.console(robot, role), b"", timeout_s=ROLE_S, source=source)
         for role in reversed(get_args(Role))
@@ -81,11 +81,11 @@ def role_at(bus: Session, robot: str, source: str) -> Role:
 
 
 def certificate_at(endpoint: str) -> bytes:
-    """Return the certificate that is shown at an endpoint."""
+    """Return the certificate that an endpoint presents."""
     host, port = _place(endpoint)
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.check_hostname = False
-    context.verify_mode = ssl.CERT_NONE  # what is shown is compared with the token's fingerprint
+    context.verify_mode = ssl.CERT_NONE  # the certificate is compared with the token's fingerprint instead
     try:
         with (
             socket.create_connection((host, port), timeout=HANDSHAKE_S) as plain,
@@ -98,14 +98,14 @@ def certificate_at(endpoint: str) -> bytes:
         raise AbsentError(f"no robot answers at {short(endpoint)} within {HANDSHAKE_S:g} s") from err
     except socket.gaierror as err:
         raise AbsentError(f"there is no machine '{short(host)}' ({err.strerror})") from err
-    except UnicodeError as err:  # an empty or too long part between dots, bytes that are no text
+    except UnicodeError as err:  # an empty or too long part between dots, or invalid bytes
         raise InputError(f"'{short(host)}' is no name or address of a machine") from err
     except OSError as err:
         raise AbsentError(f"nothing listens at {short(endpoint)} ({err.strerror or err})") from err
 
 
 def _why_not(endpoint: str, offered: Offered, der: bytes) -> str:
-    """Return the reason why an endpoint refuses a token; empty if it accepts it."""
+    """Return why an endpoint refuses a token; empty if it accepts it."""
     if tokens.fingerprint(der) != offered.token.fingerprint:
         return (
             f"{short(endpoint)} shows another certificate ({tokens.fingerprint(der)}) than the token is for, "
@@ -116,7 +116,7 @@ def _why_not(endpoint: str, offered: Offered, der: bytes) -> str:
             entry = _entry(offered.token, der)
             session.open_client([endpoint], entry.credentials, certificate=entry.certificate, timeout_s=0.0).close()
         except BusError:
-            time.sleep(patience_s)  # a door that just reopens would refuse no client
+            time.sleep(patience_s)  # a door that is just reopening would refuse every client
             certificate_at(endpoint)
         else:
             return ""

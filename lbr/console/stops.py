@@ -1,4 +1,4 @@
-"""Which lines stop a robot, however they came to be typed. Pure."""
+"""Recognises the lines that stop a robot, however they came to be typed. Pure."""
 
 import re
 import unicodedata
@@ -11,16 +11,16 @@ EMERGENCY = "estop"
 SLASHES = "/\uff0f"
 LONGEST = MAX_LINE - 16
 _REMAINS = re.compile(r"(?:\x1b?\[[0-9;?<]*[A-Za-z~]?)+\s*\Z")
-"""Of a terminal's sequences, whose beginning the line editor has taken: no key types them."""
+"""The rest of a terminal's sequence whose beginning the line editor has consumed: no key types it."""
 _SLASH = re.compile(f"[{SLASHES}]")
 
 
 def stop_in(line: str | bytes) -> str:
-    """Return the stop that a line says, as each robot knows it; empty for a line that says none.
+    """Return the stop in a line, as each robot knows it; empty for a line without one.
 
-    Letters may be large, or as wide as a keyboard of another script types them; blanks, slashes and characters that
-    nobody sees may stand around them, and remains of a terminal's sequences behind them. An emergency stop may give a
-    reason: `/estop/REASON`.
+    Letters may be capitals, or wide ones of another script's keyboard. Blanks, slashes and invisible characters may
+    surround them, and remains of a terminal's sequences may follow. An emergency stop may have a reason:
+    `/estop/REASON`.
     """
     text = line.decode(errors="replace") if isinstance(line, bytes) else line
     word, *more = _SLASH.split(bare(_REMAINS.sub("", text[:LONGEST]), SLASHES)[:LONGEST], maxsplit=1)

@@ -1,4 +1,4 @@
-"""Which robot a command means, and how to reach it."""
+"""The robot that a command means, and the connection to it."""
 
 import os
 import socket
@@ -20,9 +20,9 @@ from lbr.messages.system import RANKS, Role, Status
 
 
 class Target(Struct, frozen=True, kw_only=True):
-    """A robot to talk to, and how to get in; `running` is its record if it runs on this machine.
+    """A robot and the way to reach it; `running` is its record if it runs on this machine.
 
-    `role` is the most that it lets us do; `certificate` is set for a robot that is reached from another machine.
+    `role` is our highest role there; `certificate` is set for a robot on another machine.
     """
 
     robot: str
@@ -34,7 +34,7 @@ class Target(Struct, frozen=True, kw_only=True):
 
     @property
     def proof(self) -> Credentials | None:
-        """Return the token that tells a robot elsewhere who we are."""
+        """Return the token that proves our identity to a robot elsewhere."""
         return self.credentials if self.certificate else None
 
 
@@ -64,13 +64,13 @@ def find(robot: str | None, connect: str | None, token_file: Path | None = None)
 
 
 def find_to_stop(robot: str | None, connect: str | None, token_file: Path | None = None) -> list[Target]:
-    """Return the robots that a stop means: several that run here, all of them, unless one is named."""
+    """Return the robots that a stop means: the named one, or all that run here."""
     here = home.running() if robot is None and not connect else []
     return [_local_target(one) for one in here] if len(here) > 1 else [find(robot, connect, token_file)]
 
 
 def need(target: Target, role: Role) -> None:
-    """Raise BusError if a robot would drop in silence what needs this role."""
+    """Raise BusError if a robot would silently drop messages that need this role."""
     if target.certificate and RANKS[target.role] < RANKS[role]:
         raise BusError(f"this needs the role '{role}', and you have '{target.role}'")
 
@@ -117,7 +117,7 @@ def _only_robot(bus: Session, connect: str) -> str:
 
 
 def _local_target(running: home.Running) -> Target:
-    """Return a robot of this home; a user that can read its record has all rights."""
+    """Return a robot of this home; a user who can read its record has all rights."""
     credentials = Credentials(user=TOOLS, password=running.password)
     return Target(
         robot=running.robot, endpoints=(running.core,), credentials=credentials, role="admin", running=running

@@ -1,6 +1,6 @@
 """The terminal: a prompt with completion, history and a live status bar. Its motion stops when it ends.
 
-Its loop gives the pulse without which nothing is held, and no part of it waits for the terminal to take output.
+Its loop gives the pulse without which no motion is held, and no part of it waits for the terminal to accept output.
 """
 
 import asyncio
@@ -44,7 +44,7 @@ from lbr.messages.system import ConsoleResult, Event
 
 PROMPT = "Robot> "
 REFRESH_S = 0.25
-PATIENCE_S = 0.3  # how long the next line waits for a line's result
+PATIENCE_S = 0.3  # how long the next line waits for the result of this one
 SHUTDOWN = "executive.shutdown"
 LAST_ANSWER_S = 0.2
 LAST_OUTPUT_S = 0.3
@@ -65,7 +65,7 @@ _PLAIN = "\x1b[0m"
 class Terminal:
     """The console of one operator. `run` may be called in any thread; `close` ends it from any other.
 
-    The robot's own has a `greeting`: when it is left, the robot shuts down.
+    The robot's own console has a `greeting`: when it is left, the robot shuts down.
     """
 
     def __init__(
@@ -116,7 +116,7 @@ class Terminal:
         self._lines: queue.SimpleQueue[tuple[float, str]] = queue.SimpleQueue()
 
     def run(self) -> int:
-        """Read lines until end of input, Ctrl-C, a shutdown or `close`; then stop what is held. Return an exit code."""
+        """Read lines until end of input, Ctrl-C, a shutdown or `close`; stop the held motion, return an exit code."""
         self._operator.on_end = self._ended
         self._operator.ear.also = self._unheard
         helpers = [
@@ -134,7 +134,7 @@ class Terminal:
                 self._closing = True
             finally:
                 self._over.set()
-                self._lines.put((time.monotonic(), ""))  # a reader that waits for a line is not to wait any more
+                self._lines.put((time.monotonic(), ""))  # a reader that waits for a line must not wait any longer
                 self._operator.release()
             if not self._closing:
                 self._print(self._parting())
@@ -165,7 +165,7 @@ class Terminal:
         return "Stopped; leaving. The robot runs on."
 
     def _leave(self, why: type[BaseException]) -> None:
-        """Leave the prompt, after what the terminal still answers: the shell behind it is not to read that."""
+        """Leave the prompt after the terminal's last answer, which the shell behind it must not read."""
         app = self._session.app
         loop = app.loop
         if self._contact.awaited and loop is not None:
@@ -180,7 +180,7 @@ class Terminal:
             app.exit(exception=why, style="class:exiting")
 
     def _forget_input(self) -> None:
-        """Drop an answer of the terminal that came when nothing read it any more."""
+        """Drop an answer of the terminal that came when nobody read it any more."""
         with contextlib.suppress(OSError, termios.error):
             termios.tcflush(self._session.app.input.fileno(), termios.TCIFLUSH)
 
@@ -191,7 +191,7 @@ class Terminal:
             self._leave(EOFError)
 
     async def _beat(self) -> None:
-        """Show that keys are heard, and ask the terminal now and then whether it is there."""
+        """Report that keys are received, and ask the terminal at intervals for a sign of life."""
         while True:
             self._operator.ear.beat()
             if self._screen.free and self._contact.due(held=self._operator.held() is not None):
@@ -201,7 +201,7 @@ class Terminal:
             await asyncio.sleep(BEAT_S)
 
     def _unheard(self) -> str:
-        """Return why the person at the terminal is not taken to see what moves, nothing if there is no sign of that."""
+        """Return why the person at the terminal may not see what moves, empty without a sign of that."""
         if self._screen.outlet.error(self._screen.fileno()) is not None:
             return "the terminal is gone"
         if self._screen.outlet.stuck_s > STUCK_S:
@@ -209,7 +209,7 @@ class Terminal:
         return self._contact.lost()
 
     def _accept(self, buffer: Buffer) -> bool:
-        """Take a line without leaving the prompt: when its turn comes it moves above it, and its result follows."""
+        """Accept a line without leaving the prompt: it appears above when its turn comes, followed by its result."""
         line = buffer.text.strip()
         self._contact.typed()
         if is_stop(line):
@@ -219,7 +219,7 @@ class Terminal:
         return False
 
     def _stop(self, line: str) -> None:
-        """Say a stop at once, and nothing of what was typed before it and still waits for its turn."""
+        """Send a stop at once, and drop the lines that were typed before it and still wait."""
         self._stops += 1
         dropped = self._forget_lines()
         self._above.print(PROMPT + one_line(line))
@@ -232,8 +232,7 @@ class Terminal:
             self._print(f"Not said any more: {', '.join(dropped)}", "warning")
 
     def _overheard(self, stop: str) -> None:
-        """Stop also when the editor does not take these keys for a line: it is searching, or waits for a paste's
-        end."""
+        """Also stop when the editor does not treat these keys as a line: it searches, or waits for a paste's end."""
         loop = self._session.app.loop
         if loop is not None:
             loop.call_soon(self._stop_unless_counted, stop, self._stops, context=self._session.app.context)
@@ -259,7 +258,7 @@ class Terminal:
             "error",
         )
         app = self._session.app
-        if app.loop is not None:  # the beginning of a line that is too long is no line
+        if app.loop is not None:  # the beginning of a line that is too long must not count as a line
             app.loop.call_soon(app.current_buffer.reset, context=app.context)
 
     def _say_all(self) -> None:
@@ -362,7 +361,7 @@ class Terminal:
         @keys.add("c-q")
         @keys.add("c-z")
         def _none(_event: KeyPressEvent) -> None:
-            """Terminals send the first two by themselves, to be given time; the last would spoil the line behind it."""
+            """Ignore keys: terminals send the first two by themselves; the last would spoil the line behind it."""
 
         @keys.add("c-c")
         def _interrupt(event: KeyPressEvent) -> None:
@@ -380,13 +379,13 @@ class Terminal:
         return keys
 
     def _stop_now(self) -> None:
-        """Stop the motors now, whatever the prompt does next; lines that wait are not said."""
+        """Stop the motors now, whatever the prompt does next; waiting lines are dropped."""
         self._stops += 1
         self._forget_lines()
         threading.Thread(target=self._operator.release, name="release", daemon=True).start()
 
     def _forget_lines(self) -> list[str]:
-        """Remove and return the lines that wait for their turn."""
+        """Remove and return the waiting lines."""
         lines = []
         with contextlib.suppress(queue.Empty):
             while True:
@@ -413,7 +412,7 @@ def _history(path: Path | None) -> History:
 
 
 class _Kept(FileHistory):
-    """Lines in a file, as far as the disk takes them: that it is full is no reason to hear no line."""
+    """Lines in a file, as far as the disk accepts them: a full disk must not block the console."""
 
     def store_string(self, string: str) -> None:
         with contextlib.suppress(OSError):

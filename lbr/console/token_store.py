@@ -1,5 +1,4 @@
-"""The sources of a token for a robot elsewhere: a file, the environment, a saved one, the keyring, or the person at the
-terminal."""
+"""The sources of a token for a robot elsewhere: a file, the environment, a saved token, the keyring, or the person."""
 
 import getpass
 import os
@@ -24,7 +23,7 @@ LARGEST_BYTES = 4096
 
 
 class Offered(Struct, frozen=True, kw_only=True):
-    """A token and where it came from, in words; `typed` if it was just typed, `saved` if it was typed once."""
+    """A token and its source, in words; `typed`: just typed, `saved`: typed once."""
 
     token: Token
     origin: str
@@ -33,7 +32,7 @@ class Offered(Struct, frozen=True, kw_only=True):
 
 
 def offered(endpoint: str, token_file: Path | None) -> Iterator[Offered]:
-    """Yield the tokens to try: the one that is named, or else the saved ones, and then what the user types."""
+    """Yield the tokens to try: the named one, otherwise the saved ones, and then one that the user types."""
     if token_file is not None:
         yield Offered(token=tokens.parse(_read(token_file)), origin=f"the one in {token_file}")
         return
@@ -57,7 +56,7 @@ def can_ask() -> bool:
 
 
 def save(endpoint: str, token: Token) -> None:
-    """Keep a token that let us in, for our eyes only."""
+    """Save a token that a robot accepted; only we may read the file."""
     path = _path()
     draft = path.with_suffix(f".new-{os.getpid()}")
     content = msgspec.json.format(msgspec.json.encode(_saved() | {endpoint: str(token)}))
@@ -69,7 +68,7 @@ def save(endpoint: str, token: Token) -> None:
 def _saved() -> dict[str, str]:
     path = _path()
     ownership.refuse(ownership.faults(path))
-    if not path.is_file():  # a pipe would be waited for
+    if not path.is_file():  # reading a pipe would block
         return {}
     try:
         return msgspec.json.decode(path.read_bytes(), type=dict[str, str])
@@ -78,13 +77,12 @@ def _saved() -> dict[str, str]:
 
 
 def _of_keyring(endpoint: str) -> str | None:
-    """Return what `keyring set lbr-token ENDPOINT` has put there, if that package is installed and its store can be
-    opened."""
+    """Return the token of `keyring set lbr-token ENDPOINT`, if that package is installed and its store opens."""
     try:
         import keyring
     except ImportError:
         return None
-    with suppress(Exception):  # stores of others fail in ways of their own; other tokens are still tried
+    with suppress(Exception):  # foreign stores may fail in any way; other tokens are still tried
         return keyring.get_password(SERVICE, endpoint)
     return None
 

@@ -1,4 +1,4 @@
-"""The status bar: what the robot is doing now, in one line; words carry the meaning, colours only repeat it."""
+"""The status bar: the robot's state in one line; words carry the meaning, colours only repeat it."""
 
 from collections.abc import Mapping
 
@@ -20,8 +20,7 @@ WHERE = {"forward": "ahead", "back": "behind", "left": "left", "right": "right"}
 def toolbar(
     robot: str, telemetry: Telemetry, held: LeaseKeeper | None, under_way: Mapping[str, float], columns: int = 1000
 ) -> Fragments:
-    """Return the bar, cut to `columns` from its least important end; `under_way` are lines without a result yet, and
-    for how many seconds."""
+    """Return the bar, cut to `columns` from its least important end; `under_way` maps unanswered lines to seconds."""
     pieces: list[Piece] = [(0, "", robot), (0, *_state(telemetry))]
     drive, motors = telemetry.drive, telemetry.motors
     if held is not None:
@@ -47,7 +46,7 @@ def toolbar(
 
 
 def state_of(status: Status) -> tuple[str, str]:
-    """Return style and words for what a robot is in."""
+    """Return style and words for the state of a robot."""
     if status.estop.engaged:
         why = f": {one_line(status.estop.reason)}" if status.estop.reason else ""
         return BAD, f"E-STOP{why}"
@@ -71,8 +70,7 @@ def _state(telemetry: Telemetry) -> tuple[str, str]:
 
 
 def _nearest(ranges: Ranges | None, sees: Mapping[str, float | None]) -> str:
-    """Return the nearest of what the ring reads, what the drive sees in the way by other sensors, and their
-    readings."""
+    """Return the nearest distance of the ring, the obstacle that other sensors show the drive, and their readings."""
     read = {} if ranges is None else {name: ranges.metres(name) for name in WHERE} | ranges.others_m
     watching = {view.partition(" ")[0] for view in sees}
     distances = {WHERE.get(name, name): metres for name, metres in read.items() if name not in watching}
@@ -87,7 +85,7 @@ def _nearest(ranges: Ranges | None, sees: Mapping[str, float | None]) -> str:
 
 
 def _fitting(pieces: list[Piece], columns: int) -> Fragments:
-    """Leave out the pieces without room; the state is shortened at last."""
+    """Drop the pieces without room, and finally shorten the state."""
     while len(pieces) > 2 and _width(pieces) > columns:
         rank = max(rank for rank, _, _ in pieces)
         pieces.remove(next(piece for piece in reversed(pieces) if piece[0] == rank))
@@ -100,7 +98,7 @@ def _fitting(pieces: list[Piece], columns: int) -> Fragments:
 
 
 def _width(pieces: list[Piece]) -> int:
-    return sum(len(text) + len(SEPARATOR) for _, _, text in pieces) - 1  # a blank before, a blank after
+    return sum(len(text) + len(SEPARATOR) for _, _, text in pieces) - 1  # one blank before, one after
 
 
 def _joined(pieces: Fragments) -> Fragments:

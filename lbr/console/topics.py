@@ -22,8 +22,10 @@ UNDESCRIBED = "(heard; no schema)"
 
 
 class Topic(Struct, frozen=True, kw_only=True):
-    """A stream (something publishes it), a command (something answers it) or a setpoint (a stream that only its wired
-    source may write, sealed, on its target's key); `name` is its key below the robot."""
+    """A stream, a command or a setpoint; `name` is its key below the robot.
+
+    A setpoint is a stream on its target's key, which only its wired source may write, sealed.
+    """
 
     name: str
     role: str
@@ -79,7 +81,7 @@ def system_topics() -> list[Topic]:
 
 
 def silence(topics: Iterable[Topic], key: str, seconds: float) -> str:
-    """Say why nothing may have come on a key."""
+    """Return the possible reason for silence on a key."""
     name = key.partition("/")[2]
     known = {topic.name: topic for topic in topics}
     nothing = f"nothing has come on {key} within {seconds:g} s"
@@ -93,7 +95,7 @@ def silence(topics: Iterable[Topic], key: str, seconds: float) -> str:
 
 
 def why_not_publish(topics: Iterable[Topic], key: str, role: Role) -> str:
-    """Say why a robot drops in silence what a user of this role publishes there from another machine, or nothing."""
+    """Return why a robot silently drops a publication of this role from another machine; empty if it does not."""
     name = key.partition("/")[2]
     known = {topic.name: topic for topic in topics}
     needed: Role | None = (
@@ -105,7 +107,7 @@ def why_not_publish(topics: Iterable[Topic], key: str, role: Role) -> str:
 
 
 def choose(topics: Iterable[Topic], name: str) -> Topic:
-    """Return the topic of that name; InputError says which may have been meant."""
+    """Return the topic of that name; raise InputError with the probably meant ones."""
     known = {topic.name: topic for topic in topics}
     if name not in known:
         raise InputError(f"there is no '{short(name)}'; {_near(name, known)}", "unknown_name")
@@ -113,7 +115,7 @@ def choose(topics: Iterable[Topic], name: str) -> Topic:
 
 
 def key_of(robot: str, name: str) -> str:
-    """Return the key of a topic as people type it: `drive/state`, `/drive/state`, `lbr/drive/state`, `@event`."""
+    """Return the key of a typed topic: `drive/state`, `/drive/state`, `lbr/drive/state`, `@event`."""
     name = name.strip("/")
     key = name if name.startswith(f"{robot}/") else f"{robot}/{name}"
     try:
@@ -135,7 +137,7 @@ def _near(name: str, known: dict[str, Topic]) -> str:
 
 
 def _placed(topics: list[Topic], bus: Session, robot: str, source: str) -> list[Topic]:
-    """Move outputs that are sent as setpoints to their real key: that of the capability that receives them."""
+    """Move outputs that are sent as setpoints to their real key: that of the receiving capability."""
     sent = {
         topic.message: topic
         for topic in topics

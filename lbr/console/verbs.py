@@ -1,4 +1,4 @@
-"""The one grammar: a line becomes what it asks for, or one sentence saying what is allowed. Pure."""
+"""The only grammar: a line becomes a call, or one sentence with the permitted lines. Pure."""
 
 import shlex
 from collections.abc import Collection, Iterable, Iterator, Mapping
@@ -17,7 +17,7 @@ from lbr.names import near
 
 
 class VerbCall(Struct, frozen=True, kw_only=True):
-    """A verb with its message: ask `capability`'s `command` with `payload`; `executive` is built in."""
+    """A verb with its message: send `payload` to `capability`'s `command`; `executive` is built in."""
 
     verb: VerbRow
     capability: str
@@ -39,16 +39,16 @@ class ExternalStop(Struct, frozen=True, kw_only=True):
 
 
 class PythonLine(Struct, frozen=True, kw_only=True):
-    """Python to run, for the local console alone."""
+    """Python to run, only for the local console."""
 
     code: str
 
 
 CONFIRMED = "confirmed"
-"""The field by which a message says that a person was asked."""
+"""The field of a message that marks it as confirmed by a person."""
 
 OWN = "executive"
-"""Whose words are lbr's own, as targets name it."""
+"""The owner of lbr's own words, in targets."""
 _LEAVE = "Ctrl-D leaves 'lbr console' and the robot runs on; at 'lbr run' it shuts the robot down, as 'Shutdown' does"
 _HINTS = {"quit": _LEAVE, "exit": _LEAVE, "?": "'help' lists what can be said"}
 
@@ -58,9 +58,8 @@ Parsed = VerbCall | ExternalCall | ExternalStop | PythonLine
 class Vocabulary:
     """The vocabulary of one robot: the words that every robot has, and those of its rows.
 
-    `messages` gives the type (a Struct or a JSON Schema) of a target's message, by target (`drive.command`);
-    fields of a target that it does not name are texts. `roles` gives the least role that a target needs, whatever the
-    row says; the row may need more.
+    `messages` maps targets (`drive.command`) to the types of their messages (a Struct or a JSON Schema); without one,
+    all fields are texts. `roles` maps targets to their least roles; a row may require a higher one.
     """
 
     def __init__(
@@ -80,7 +79,7 @@ class Vocabulary:
         self._bare = {verb.pattern.word: verb for verb in reversed(self._verbs) if verb.pattern.alias}
 
     def parse(self, line: str | bytes) -> Parsed | None:
-        """Return what a line asks for, None if it is empty; raise InputError with one line saying what is allowed."""
+        """Return the call of a line, None if it is empty; raise InputError with the permitted lines."""
         line = clean(line)
         if not line:
             return None
@@ -89,7 +88,7 @@ class Vocabulary:
         return self._path(line) if line.startswith("/") else self._words(line)
 
     def confirming(self, call: VerbCall) -> VerbRow | None:
-        """Return the verb that says outright what a call only does once it is confirmed; None if it needs no more."""
+        """Return the verb that sends a confirmed call directly; None if the call needs no confirmation."""
         if CONFIRMED in call.payload:
             return None
         outright = call.payload | {CONFIRMED: True}
@@ -97,9 +96,9 @@ class Vocabulary:
         return next((row for row in said if row.payload == outright), None)
 
     def entries(self, choices: Mapping[str, Iterable[str]] | None = None) -> list[dict[str, Any]]:
-        """Return what can be said as plain data, for completion.
+        """Return the words as plain data, for completion.
 
-        `choices` are the values of a target's first field, or with `.field` after the target those of that field.
+        `choices` are the values of a target's first field, or of another one by `target.field`.
         """
         known = choices or {}
         said = [verb.entry(known) for verb in self._verbs]
@@ -123,8 +122,7 @@ class Vocabulary:
         ]
 
     def help(self, running: Collection[str] | None = None) -> str:
-        """Return what can be said, as aligned lines for a person, by what does it: all, or by the capabilities that
-        run."""
+        """Return the words as aligned lines for a person, by capability: all, or those of the running ones."""
         groups: dict[str, list[tuple[str, str]]] = {}
         for verb in self._verbs:
             owner = verb.row.target_end[0]
@@ -141,7 +139,7 @@ class Vocabulary:
         return "\n".join(line for group in texts for line in group)
 
     def tell(self, word: str, entries: Iterable[Mapping[str, Any]]) -> str:
-        """Return the fields of a word, as lines for a person, out of its entries; InputError if it is not a word."""
+        """Return the fields of a word, as lines for a person, from its entries; InputError if it is not a word."""
         lines = []
         for entry in entries:
             role = "" if entry["role"] == "view" else f" (needs the role {entry['role']})"
@@ -190,7 +188,7 @@ class Vocabulary:
         raise self._unknown(word)
 
     def _longer(self, verb: "_Verb") -> "_Verb | None":
-        """Return what a word of lbr itself says with one field after it: `why drive` is `/why/drive`."""
+        """Return the pattern of one of lbr's own words with one field after it: `why drive` is `/why/drive`."""
         own = verb.row.target_end[0] == OWN
         fitting = (one for one in self._verbs if one.row.target == verb.row.target and one.pattern.parts)
         return next((one for one in fitting if own and len(one.pattern.parts) == len(one.pattern.fields) == 1), None)
@@ -221,7 +219,7 @@ class Vocabulary:
 
 
 class _Verb:
-    """A row with its pattern taken apart and its message's fields."""
+    """A row with its parsed pattern and its message's fields."""
 
     def __init__(self, row: VerbRow, pattern: patterns.Pattern, messages: Mapping[str, MessageType]) -> None:
         self.row = row
@@ -230,13 +228,13 @@ class _Verb:
 
     @property
     def plain(self) -> str:
-        """The pattern as people read it: `/r/power/angle`; a field called as its word is a name."""
+        """Return the pattern for people: `/r/power/angle`; a field named like its word is called `name`."""
         if self.pattern.alias:
             return self.pattern.word
         return "/".join(("", self.pattern.word, *self._named()))
 
     def looseness(self) -> tuple[bool, int]:
-        """Order patterns that fit one line: the one with the most fixed words first."""
+        """Return the order of patterns that fit one line: the one with the most fixed words first."""
         return self.pattern.rest, len(self.pattern.fields)
 
     def takes(self, parts: list[str]) -> bool:
@@ -246,7 +244,7 @@ class _Verb:
         return enough and all(want[0] == "{" or want == part.strip() for want, part in zip(wanted, parts, strict=False))
 
     def bind(self, line: str, parts: list[str]) -> VerbCall:
-        """Return the call with its message; raise InputError naming the first field that is wrong."""
+        """Return the call with its message; raise InputError with the first wrong field."""
         texts = [part.strip() for part in parts]
         if self.pattern.rest:
             texts[len(self.pattern.parts) - 1] = _rest(line, len(self.pattern.parts))
@@ -259,7 +257,7 @@ class _Verb:
         return VerbCall(verb=self.row, capability=capability, command=command, payload=payload)
 
     def entry(self, known: Mapping[str, Iterable[str]]) -> dict[str, Any]:
-        """Return the row as plain data, with what each field may be."""
+        """Return the row as plain data, with the values of each field."""
         row = self.row
         fields = [
             {"name": f.word, "hint": f.allowed, "choices": sorted(known.get(f"{row.target}.{f.name}", f.choices))}
@@ -281,7 +279,7 @@ class _Verb:
 
 
 def _rest(line: str, count: int) -> str:
-    """Return what follows the word and `count - 1` parts, with its slashes."""
+    """Return the line after the word and `count - 1` parts, with its slashes."""
     for _ in range(count):
         line = line.lstrip("/").partition("/")[2]
     return line.lstrip("/").strip()

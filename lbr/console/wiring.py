@@ -1,4 +1,4 @@
-"""Shows who feeds whom, from the rows: as a text tree, as a graph for `dot`, and as plain data."""
+"""Shows the wires between capabilities, from the rows: as a text tree, as a graph for `dot`, and as plain data."""
 
 from collections.abc import Iterable, Mapping
 
@@ -11,7 +11,7 @@ from lbr.messages.system import Status
 
 
 class Node(Struct, frozen=True, kw_only=True):
-    """A capability of the graph; `state` is empty when the robot does not run."""
+    """A capability of the graph; `state` is empty if the robot does not run."""
 
     name: str
     kind: str
@@ -58,13 +58,13 @@ def graph(rows: RobotRows, states: Mapping[str, str], rates: Mapping[str, float]
 
 
 def running(status: Status) -> tuple[dict[str, str], dict[str, float]]:
-    """Return the states and rates that a running robot's graph shows."""
+    """Return the states and rates of a running robot for its graph."""
     states = {one.name: str(one.phase) for one in status.capabilities}
     return states, {f"{one.name}.{out}": hz for one in status.capabilities for out, hz in one.rates_hz.items()}
 
 
 def tree(of: Graph) -> list[str]:
-    """Return the graph as lines: under each capability what it sends, and to whom."""
+    """Return the graph as lines: under each capability its streams, with their receivers."""
     lines = [of.robot]
     names = [*(node.name for node in of.nodes), "console"]
     about = {node.name: f" ({node.kind}{_state(node)})" for node in of.nodes}
@@ -88,7 +88,7 @@ def dot(of: Graph) -> list[str]:
 
 
 def from_plain(data: object) -> Graph:
-    """Return the graph that plain data describes; raise MalformedError if it describes none."""
+    """Return the graph from plain data; raise MalformedError for other data."""
     try:
         return msgspec.convert(data, Graph)
     except msgspec.ValidationError as err:

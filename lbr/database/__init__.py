@@ -1,1 +1,1 @@
-"""The database: what the robot is, as rows; the only place that opens it."""
+"""The database, which describes the robot in rows; no other package opens it."""

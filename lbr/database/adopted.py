@@ -1,4 +1,4 @@
-"""The row sets that ran: rows that differ from one of the same revision have changed without an edit."""
+"""The row sets that ran: rows that differ from one with the same revision have changed without an edit."""
 
 from hashlib import blake2b
 
@@ -14,7 +14,7 @@ _CHANGED = (
 
 
 def digest(tables: RawTables) -> str:
-    """Return the hash of the rows that make robots, without what lbr itself writes into them."""
+    """Return the hash of the rows that make robots, without the columns that lbr itself writes."""
     hasher = blake2b(digest_size=16)
     for table, rows in sorted(tables.items()):
         for row in rows:
@@ -24,12 +24,12 @@ def digest(tables: RawTables) -> str:
 
 
 def revision(connection: Connection) -> int:
-    """Return the number of the last change of rows; 0 for none."""
+    """Return the number of the last change of rows; 0 without one."""
     return connection.scalar("SELECT max(id) FROM revision") or 0
 
 
 def remember(connection: Connection, number: int, digest: str, wall_ns: int) -> None:
-    """Write down that a row set runs."""
+    """Record that a row set runs."""
     connection.execute(
         "INSERT OR IGNORE INTO adopted (revision, hash, wall_ns) VALUES (?, ?, ?)", (number, digest, wall_ns)
     )
@@ -37,6 +37,6 @@ def remember(connection: Connection, number: int, digest: str, wall_ns: int) -> 
 
 
 def problems(connection: Connection, number: int, digest: str) -> tuple[Problem, ...]:
-    """Return the problem with rows that are not what ran as this revision, if there is one."""
+    """Return the problem with rows that differ from those that ran as this revision, if they do."""
     ran = connection.scalar("SELECT hash FROM adopted WHERE revision = ?", (number,))
     return () if ran is None or ran == digest else (Problem("adopted", str(number), "hash", _CHANGED),)

@@ -1,4 +1,4 @@
-"""The arguments that may be typed after the name of an external command."""
+"""The permitted arguments after the name of an external command."""
 
 import re
 import subprocess
@@ -6,12 +6,12 @@ import sys
 from collections.abc import Sequence
 
 Argument = Sequence[str] | str
-"""The words that it may be, or a regular expression that all of it must fit."""
+"""The permitted words, or a regular expression for the whole argument."""
 MOST = 16
 LONGEST = 200
 """Of an argument and of a pattern: room for a path."""
 COMPARED_WITHIN_S = 5.0
-"""A process of its own takes some 20 ms; a machine that is far too busy makes a second of that."""
+"""A process of its own takes some 20 ms, and up to a second on a very busy machine."""
 _FITS = 10
 _COMPARE = f"""
 import os, resource, re, sys
@@ -22,14 +22,14 @@ sys.exit({_FITS} if re.fullmatch(sys.argv[1], sys.argv[2], re.ASCII) else 0)
 
 
 def fault(allowed: Sequence[object]) -> str:
-    """Return what is wrong with the column `arguments` as decoded JSON, or nothing."""
+    """Return the fault in the column `arguments` as decoded JSON, or an empty text."""
     if len(allowed) > MOST:
         return f"allows more than {MOST} arguments"
     return next((text for number, one in enumerate(allowed, start=1) if (text := _fault(number, one))), "")
 
 
 def refusal(allowed: Sequence[Argument], given: Sequence[str]) -> str:
-    """Return why arguments are not taken, as the end of a sentence; nothing if they are."""
+    """Return why arguments are refused, as the end of a sentence; empty if they are not."""
     if len(given) > len(allowed):
         most = f"at most {len(allowed)} argument{'' if len(allowed) == 1 else 's'}" if allowed else "no arguments"
         return f"takes {most}"
@@ -45,7 +45,7 @@ def described(argument: Argument) -> str:
 
 
 def _takes(argument: Argument, word: str) -> bool:
-    """Tell whether a word fits an argument; one that a program may read as an option fits only if the row lists it."""
+    """Return whether a word fits an argument. A word that a program may read as an option must be listed in the row."""
     if not isinstance(argument, str):
         return word in argument
     if word.startswith("-") or len(word) > LONGEST or not word.isprintable():
@@ -56,8 +56,8 @@ def _takes(argument: Argument, word: str) -> bool:
 def _fits(pattern: str, word: str) -> bool:
     """Return whether a pattern fits a whole word; one that takes too long does not.
 
-    Python compares with its lock held, and may take for ever over one short word: so another process does it, which the
-    kernel ends after a second of computing. It ranks behind all that runs, for what is typed must not slow the robot.
+    Python compares with its lock held, and may need forever for one short word. So another process does it, which the
+    kernel ends after a second of computing. It has the lowest rank, as typing must not slow the robot.
     """
     try:
         done = subprocess.run(

@@ -1,4 +1,4 @@
-"""The audit trail: rows chained by their hashes, so that a change, a gap or a lost end is found."""
+"""The audit trail: rows chained by their hashes, which reveal a change, a gap or a missing end."""
 
 from collections.abc import Iterable
 from hashlib import blake2b
@@ -11,13 +11,13 @@ from lbr.database.history import storable
 from lbr.database.rows import AuditRow
 
 KEPT = 20_000
-"""As the trigger `audit_delete` has it."""
+"""The same number as in the trigger `audit_delete`."""
 
 _SEQUENCE = "SELECT seq FROM sqlite_sequence WHERE name = 'audit'"
 
 
 def append(connection: Connection, entries: Iterable[AuditRow]) -> None:
-    """Write entries at the end of the trail, each as a line of plain text, and let the oldest go beyond those kept."""
+    """Append entries to the trail, each as a line of plain text, and delete the oldest beyond the kept number."""
     number = _highest(connection)
     previous = connection.scalar("SELECT hash FROM audit ORDER BY id DESC LIMIT 1") or ""
     rows = []
@@ -39,7 +39,7 @@ def newest(connection: Connection, limit: int) -> tuple[AuditRow, ...]:
 
 
 def fault(connection: Connection) -> str:
-    """Return what is wrong with the trail, or nothing."""
+    """Return the fault in the trail, or an empty text."""
     last: AuditRow | None = None
     count = 0
     for values in selected(connection, "audit", "1 ORDER BY id"):
@@ -58,7 +58,7 @@ def fault(connection: Connection) -> str:
 
 
 def chained(entry: AuditRow, number: int, previous: str) -> AuditRow:
-    """Return an entry as it stands in the trail: numbered, behind the hash `previous`, with its own."""
+    """Return an entry for the trail: numbered, with its hash over the hash `previous`."""
     texts = [storable(part) for part in (entry.kind, entry.subject, entry.source, entry.text)]
     content = msgspec.json.encode([number, entry.wall_ns, *texts, previous])
     kind, subject, source, text = texts
@@ -75,8 +75,7 @@ def chained(entry: AuditRow, number: int, previous: str) -> AuditRow:
 
 
 def _plain(entry: AuditRow) -> AuditRow:
-    """Return an entry without what forges lines or works on a terminal: names and reasons in it are strangers'
-    words."""
+    """Return an entry without characters that forge lines or control a terminal: strangers choose names and reasons."""
     kind, subject, source, text = (
         "".join(char if char.isprintable() else " " for char in part)
         for part in (entry.kind, entry.subject, entry.source, entry.text)
@@ -85,5 +84,5 @@ def _plain(entry: AuditRow) -> AuditRow:
 
 
 def _highest(connection: Connection) -> int:
-    """Return the highest number ever given out, also to rows that are gone."""
+    """Return the highest number ever used, including rows that are gone."""
     return int(connection.scalar(_SEQUENCE) or 0)

@@ -1,4 +1,4 @@
-"""The words that every robot understands, whatever its rows say: to stop, to ask, and to end. No row takes one away."""
+"""The words that every robot understands, whatever its rows: to stop, to ask, and to end. No row replaces them."""
 
 from typing import NamedTuple
 
@@ -7,7 +7,7 @@ from lbr.messages.system import Role
 
 
 class Word(NamedTuple):
-    """A line, what lbr itself does when it is said, who may say it, and its help."""
+    """A line, the command of lbr that it calls, its least role, and its help."""
 
     pattern: str
     target: str
@@ -16,7 +16,7 @@ class Word(NamedTuple):
 
     @property
     def word(self) -> str:
-        """Return the text that it begins with."""
+        """Return its first word."""
         return self.pattern.strip("/").partition("/")[0]
 
 
@@ -40,10 +40,10 @@ _WITH_PARTS = frozenset(row.word.lower() for row in WORDS if row.pattern.startsw
 
 
 def is_builtin(word: str) -> bool:
-    """Return whether a bare word is one of them, in capital letters or small ones."""
+    """Return whether a bare word is built in, whatever its case."""
     return word.lower() in _TAKEN
 
 
 def shadowed(pattern: Pattern) -> bool:
-    """Return whether a pattern would take a line that is theirs: `/stop` says what `stop` does."""
+    """Return whether a pattern would catch a built-in line: `/stop` means the same as `stop`."""
     return is_builtin(pattern.word) if not pattern.parts else pattern.word.lower() in _WITH_PARTS

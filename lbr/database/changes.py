@@ -1,4 +1,4 @@
-"""Changed rows: the difference of two sets of tables, in words and in SQL. Pure but for `write`."""
+"""Changed rows: the difference of two sets of tables, in words and in SQL. Pure except for `write`."""
 
 import sqlite3
 from collections.abc import Iterable, Iterator, Sequence
@@ -19,7 +19,7 @@ Key = tuple[Any, ...]
 
 
 class Change(Struct, frozen=True):
-    """One row to write, before and after. None is no row. The order of the key is that of the table."""
+    """One row to write, before and after; None without one. The key has the order of the table."""
 
     table: str
     key: Key
@@ -28,18 +28,18 @@ class Change(Struct, frozen=True):
 
     @property
     def robot(self) -> str | None:
-        """The robot of the row. None for a row that all robots share."""
+        """Return the robot of the row, None for a row that all robots share."""
         values = self.after or self.before or {}
         return values.get("name" if self.table == ROBOT else "robot")
 
     @property
     def row(self) -> str:
-        """The key as people read it."""
+        """Return the key, for people."""
         return "/".join(map(short, self.key))
 
     @property
     def difference(self) -> Difference:
-        """The change as people read it."""
+        """Return the change, for people."""
         if self.before is None:
             return Difference(table=self.table, row=self.row, change="added")
         if self.after is None:
@@ -49,13 +49,13 @@ class Change(Struct, frozen=True):
 
 
 def between(before: RawTables, after: RawTables, schema: Schema, robot: str | None = None) -> tuple[Change, ...]:
-    """Return the changes from some tables to others, or those of one robot. Columns that lbr writes are left out."""
+    """Return the changes from some tables to others, or those of one robot, without columns that lbr writes."""
     changes = (change for table in schema.keys_of for change in _of_table(table, before, after, schema))
     return tuple(change for change in changes if robot is None or change.robot == robot)
 
 
 def differences(changes: Iterable[Change]) -> tuple[Difference, ...]:
-    """Return changes as people read them."""
+    """Return changes, for people."""
     return tuple(change.difference for change in changes)
 
 
@@ -76,10 +76,10 @@ def applied(tables: RawTables, schema: Schema, changes: Iterable[Change]) -> Raw
 
 
 def write(connection: Connection, changes: Sequence[Change], schema: Schema) -> None:
-    """Write changes in the transaction that is under way; RowError names a row that SQLite refuses.
+    """Write changes in the open transaction; RowError names a row that SQLite refuses.
 
-    A row may come before the rows that it refers to. Updates go first: a row that now refers to another row stays
-    when its former target is deleted. Columns that lbr alone writes stay.
+    A row may come before the rows that it refers to. Updates go first: a row that now refers to another row stays when
+    its former target is deleted. Columns that only lbr writes stay.
     """
     removes = any(change.after is None for change in changes)
     tables = set(schema.keys_of) if removes else {change.table for change in changes}
@@ -119,14 +119,15 @@ def _write(connection: Connection, change: Change, schema: Schema) -> None:
 
 
 def _dangling(connection: Connection, tables: Iterable[str]) -> set[tuple[Any, ...]]:
-    """Return the rows of some tables that refer to no row. Without a removal, only changed tables can have new ones."""
+    """Return the rows of some tables that refer to a missing row; without a removal, only changed tables have new
+    ones."""
     check = "SELECT * FROM pragma_foreign_key_check(?)"
     return {row for table in tables for row in connection.execute(check, (table,))}
 
 
 @contextmanager
 def _naming(change: Change) -> Iterator[None]:
-    """Name the row that SQLite refuses."""
+    """Add the row to SQLite's refusal."""
     try:
         yield
     except (sqlite3.IntegrityError, sqlite3.InterfaceError, OverflowError) as err:
@@ -147,5 +148,5 @@ def _by_key(tables: RawTables, table: str, schema: Schema) -> dict[Key, RawRow]:
 
 
 def _order(key: Key) -> tuple[tuple[bool, Any], ...]:
-    """Return a sort key by which keys are ordered as in SQLite, also keys that no column can hold."""
+    """Return a sort key that orders keys as SQLite does, even keys that no column can hold."""
     return tuple((isinstance(part, str), 0 if part is None else part) for part in key)

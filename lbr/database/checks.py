@@ -1,4 +1,4 @@
-"""Finds what is wrong with a robot's rows: every problem at once, each with its table, row and column."""
+"""Finds all faults of a robot's rows at once, each with its table, row and column."""
 
 from collections.abc import Iterable, Mapping
 
@@ -26,7 +26,7 @@ def check(
     columns: Mapping[str, Iterable[str]] | None = None,
     also: Iterable[type[Row]] = (),
 ) -> RobotRows:
-    """Decode and check one robot's rows, and `also` some of those that kinds read; never raises, whatever they are."""
+    """Decode and check one robot's rows, with `also` some tables of its kinds; never raises, whatever their content."""
     tables = Tables(raw, robot, columns or {})
     faults = [*problems]
     itself = _robot(raw, tables, robot, faults)

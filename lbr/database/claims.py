@@ -1,4 +1,4 @@
-"""Which robots run from a database: each locks a byte of the file that SQLite does not use."""
+"""The robots that run from a database: each locks a byte of the file that SQLite does not use."""
 
 import fcntl
 import os
@@ -9,14 +9,14 @@ from pathlib import Path
 from lbr.errors import AlreadyRunningError
 
 FIRST = 1 << 61
-"""Far behind all that SQLite writes and locks."""
+"""Far beyond all bytes that SQLite writes and locks."""
 COUNT = 1 << 32
 FLOCK = "hhqqi4x"
 """The kernel's `struct flock`."""
 
 
 class Claim:
-    """A robot's rows for one run alone: another home may name the same file. The kernel gives it up with the
+    """The right of one run to a robot's rows: another home may name the same file. The kernel frees it with the
     process."""
 
     def __init__(self, robot: str) -> None:
@@ -24,9 +24,9 @@ class Claim:
         self._fd = -1
 
     def take(self, database: Path) -> None:
-        """Claim this robot of an open database. AlreadyRunningError: it runs from there.
+        """Claim this robot of an open database; raise AlreadyRunningError if it runs from there.
 
-        The descriptor stays open until `release`, after the database: closing one takes away the locks that SQLite has.
+        The descriptor stays open until `release`, after the database: closing it would also drop SQLite's locks.
         """
         self._fd = os.open(database, os.O_RDWR | os.O_CLOEXEC)
         byte = FIRST + zlib.crc32(self._robot.encode())
@@ -40,7 +40,7 @@ class Claim:
             return  # a file system that cannot lock
 
     def release(self) -> None:
-        """Give it up."""
+        """Release the claim."""
         if self._fd >= 0:
             os.close(self._fd)
             self._fd = -1
@@ -49,7 +49,7 @@ class Claim:
 def any_robot(database: Path) -> bool:
     """Return whether any robot runs from an open database, of this version of lbr or an older one.
 
-    The descriptor by which it asks stays open for the reason above.
+    Its descriptor stays open for the same reason.
     """
     fd = os.open(database, os.O_RDWR | os.O_CLOEXEC)
     try:

@@ -1,4 +1,4 @@
-"""A column of a table by its field's annotation: from SQLite's value to the field's, or its error; and back."""
+"""A column of a table by its field's annotation: from SQLite's value to the field's, or its fault; and back."""
 
 import json
 import math
@@ -21,7 +21,7 @@ _TEXTS = 'is not a JSON list of strings like ["a", "b"]'
 
 
 class WrongError(Exception):
-    """A value that its column may not have; the text says what it is not."""
+    """A value that its column may not have; the text is the broken rule."""
 
 
 @cache
@@ -31,12 +31,12 @@ def columns(row: type[Row]) -> Mapping[str, "Column"]:
 
 
 def raw(row: Row) -> dict[str, Any]:
-    """Return what SQLite is to hold for a row."""
+    """Return the values of a row for SQLite."""
     return {name: column.write(getattr(row, name)) for name, column in columns(type(row)).items()}
 
 
 class Column:
-    """Reads and writes one column. `stand_in` is a harmless value for one that cannot be read.
+    """Reads and writes one column. `stand_in` is a harmless value in place of an unreadable one.
 
     Changes of a column that is `by_lbr` are not edits.
     """
@@ -62,7 +62,7 @@ class Column:
         return self.is_json or self.extra.get("shape") is shapes.OBJECT
 
     def read(self, value: Any) -> Any:
-        """Return the value of a column; WrongError names its fault."""
+        """Return the value of a column; raise WrongError with its fault."""
         if value is None and self.nullable:
             return None
         if self.is_text and not self._meant:
@@ -74,7 +74,7 @@ class Column:
         plain = bool(value) if self.is_flag else self._json(value) if self.is_json else value
         try:
             converted = msgspec.convert(plain, self._type)
-        except (msgspec.ValidationError, UnicodeError) as err:  # SQLite holds what is no text, too
+        except (msgspec.ValidationError, UnicodeError) as err:  # SQLite holds invalid text, too
             raise WrongError(self._sentence(plain, str(err))) from None
         if isinstance(converted, float) and not math.isfinite(converted):
             raise WrongError(self._number(plain))
@@ -85,7 +85,7 @@ class Column:
         return converted
 
     def write(self, value: Any) -> Any:
-        """Return what SQLite is to hold for a value."""
+        """Return a value for SQLite."""
         if value is None or not (self.is_flag or self.is_json):
             return value
         return int(value) if self.is_flag else json.dumps(msgspec.to_builtins(value), ensure_ascii=False)
@@ -119,7 +119,7 @@ class Column:
             raise WrongError(f"is not JSON: {err}") from None
 
     def _sentence(self, value: object, complaint: str) -> str:
-        """Return the rule that a value breaks, in the words of its annotation or else of msgspec."""
+        """Return the rule that a value breaks, in the words of its annotation, otherwise of msgspec."""
         info = self.info
         if self._meant:
             return f"'{short(value)}' is not {self._meant}"
@@ -151,7 +151,7 @@ class Column:
         return str(zero) if value == info.gt else f"{value:g} is outside {lowest:g} to {info.le:g}"
 
     def _entries(self, value: Mapping[str, object]) -> str:
-        """Return what is wrong with the entries of an object, as far as their annotation says what is meant."""
+        """Return the fault in the entries of an object, if their annotation has a text for it."""
         _, extra, _ = _bare(self.info.value_type)
         return "; ".join(
             f"'{short(name)}': '{short(one)}' is not {extra['meant']}"
@@ -183,7 +183,7 @@ def _fits(one: object, of: object, name: str) -> bool:
 
 
 def _bare(info: object) -> tuple[Any, dict[str, Any], bool]:
-    """Return a type without what is said of it, what is said, and whether it may be NULL."""
+    """Return a type without its annotations, these annotations, and whether it may be NULL."""
     if isinstance(info, inspect.Metadata):
         bare, extra, nullable = _bare(info.type)
         return bare, {**(info.extra or {}), **extra}, nullable
@@ -206,7 +206,7 @@ def _texts(info: object) -> bool:
 
 
 def text_fault(text: str) -> str:
-    """Return why a text cannot be used, or nothing."""
+    """Return why a text is invalid, or an empty text."""
     if len(text) > MAX_TEXT:
         return f"is longer than {MAX_TEXT} characters"
     if "\0" in text:
@@ -217,7 +217,7 @@ def text_fault(text: str) -> str:
 
 
 def json_strictly(text: str) -> Any:
-    """Decode JSON; doubled keys, NaN, numbers beyond 64 bits and half characters are ValueErrors too."""
+    """Decode JSON; doubled keys, NaN, numbers beyond 64 bits and half characters raise ValueError, too."""
     value = json.loads(text, object_pairs_hook=_pairs, parse_constant=_constant, parse_float=_finite, parse_int=_short)
     json.dumps(value, ensure_ascii=False).encode()
     return value

@@ -1,4 +1,4 @@
-"""One connection to a database file, and SQLite's errors as sentences."""
+"""A connection to a database file, with SQLite's errors as sentences."""
 
 import os
 import re
@@ -15,7 +15,7 @@ from lbr.errors import RowError
 
 BUSY_TIMEOUT_S = 2.0
 LONGEST_BYTES = 4_000_000
-"""The longest row, and the longest value: those that make robots have a few kB. Longer ones cost memory, and delay a
+"""The longest row and the longest value: those that make robots have a few kB. Longer ones cost memory, and delay a
 stop."""
 
 _RESTORE = "`lbr db restore` puts the last good copy in its place"
@@ -36,7 +36,7 @@ _ROW_FAULT = re.compile(r"CHECK constraint failed in |\S+ value in ")
 
 
 class Connection(sqlite3.Connection):
-    """One whose errors know the statement that they are of."""
+    """A connection whose errors carry their statement."""
 
     def execute(self, sql: str, values: Any = ()) -> sqlite3.Cursor:
         """Run a statement."""
@@ -55,11 +55,10 @@ class Connection(sqlite3.Connection):
 
 
 def connect(path: Path, *, changing: bool = True) -> Connection:
-    """Open an existing file; it is in no transaction until `transaction` begins one.
+    """Open an existing file, without a transaction until `transaction` begins one.
 
-    Without `changing` it is only read, and must be one that does not change meanwhile, without a log beside it.
-    RowError says which file or folder others could change; what SQLite opened beside the database is looked at once
-    more.
+    Without `changing`, it is only read; it must not change meanwhile, nor have a log beside it. RowError names a file
+    or folder that others could change; the files that SQLite opens beside the database are checked again.
     """
     (check_owners if changing else check_owner)(path)
     mode = "mode=rw" if changing else "mode=ro&immutable=1"
@@ -79,7 +78,7 @@ def pragma(connection: Connection, text: str) -> Any:
 
 
 def damage(connection: Connection) -> str:
-    """Return what is broken in the file, or nothing; rows against the schema are for the checks to name."""
+    """Return the damage of the file, or an empty text; the checks report rows against the schema."""
     found = connection.execute("PRAGMA integrity_check").fetchall()
     return next((fault for (fault,) in found if fault != "ok" and not _ROW_FAULT.match(fault)), "")
 
@@ -106,12 +105,12 @@ def transaction(connection: Connection, mode: Literal["DEFERRED", "IMMEDIATE"]) 
         yield connection
         connection.execute("COMMIT")
     finally:
-        if connection.in_transaction:  # SQLite itself rolls back what a full disk has ended
+        if connection.in_transaction:  # SQLite itself rolls back a transaction after a full disk
             connection.execute("ROLLBACK")
 
 
 def flush_log(path: Path) -> None:
-    """Bring what was committed onto the disk: SQLite's own way of doing so holds the write lock meanwhile."""
+    """Write the committed changes to the disk: SQLite itself would hold the write lock meanwhile."""
     try:
         with open(f"{os.path.realpath(path)}-wal", "rb") as log:  # noqa: PTH123 - as SQLite names it
             os.fsync(log.fileno())
@@ -120,14 +119,13 @@ def flush_log(path: Path) -> None:
 
 
 def settle(connection: Connection) -> None:
-    """Have all that was committed in the file itself, so that it may take another name; without room for it this
-    raises."""
+    """Move all commits into the file itself, so that it can be renamed; raises without room for it."""
     pragma(connection, "wal_checkpoint(TRUNCATE)")
 
 
 @contextmanager
 def sentences(path: Path) -> Iterator[None]:
-    """Turn SQLite's errors into RowErrors that say what to do."""
+    """Turn SQLite's errors into RowErrors with the cure."""
     try:
         yield
     except sqlite3.Error as err:
@@ -138,7 +136,7 @@ def sentences(path: Path) -> Iterator[None]:
 
 @contextmanager
 def knowing(statement: str) -> Iterator[None]:
-    """Have an error know the statement that it is of."""
+    """Add the statement to an error."""
     try:
         yield
     except sqlite3.Error as err:
@@ -161,7 +159,7 @@ def _connect(path: Path, mode: str) -> Connection:
 
 @contextmanager
 def short_values(connection: Connection) -> Iterator[None]:
-    """Have SQLite refuse values and rows that are longer than those that make robots ever are."""
+    """Let SQLite refuse values and rows that are longer than those that make robots ever are."""
     before = connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST_BYTES)
     try:
         yield

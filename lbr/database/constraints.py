@@ -1,5 +1,4 @@
-"""Tells in words what SQLite says when a row is against the schema: the table, the column, and what is allowed
-there."""
+"""SQLite's refusal of a row as a sentence: the table, the column, and its permitted values."""
 
 import re
 import sqlite3
@@ -21,7 +20,7 @@ _TYPES = {"INTEGER": "a whole number", "REAL": "a number", "TEXT": "a text", "BL
 
 
 def words(error: str, statement: str = "") -> str:
-    """Return what SQLite says of a row that it refuses as a sentence; of anything else, what it says."""
+    """Return SQLite's refusal of a row as a sentence; any other error unchanged."""
     found = _TABLE.match(_without_comments(statement))
     table = found[1] if found else ""
     if check := _CHECK.fullmatch(error):
@@ -44,7 +43,7 @@ def words(error: str, statement: str = "") -> str:
 
 
 def refused(script: str) -> str:
-    """Return which statement of a script SQLite refuses, with its line and why; nothing if it takes them all."""
+    """Return the statement of a script that SQLite refuses, with its line and the reason; empty if it refuses none."""
     with closing(sqlite3.connect(":memory:", isolation_level=None)) as connection:
         for line, statement in statements(script):
             try:
@@ -75,7 +74,7 @@ def _without_comments(statement: str) -> str:
 
 
 def _allowed(check: str) -> tuple[str, str]:
-    """Return the column that a CHECK is about, and what it allows; empty if the CHECK is not of lbr's schema."""
+    """Return the column of a CHECK, and its permitted values; empty if the CHECK is not in lbr's schema."""
     optional = _OPTIONAL.fullmatch(" ".join(check.split()))
     bare = (optional["inner"] or optional["plain"]) if optional else " ".join(check.split())
     for shape in SHAPES:
@@ -97,7 +96,7 @@ def _missing(table: str) -> str:
 
 
 def _references(table: str) -> list[tuple[str, str]]:
-    """Return which columns of a shipped table name a row of which other."""
+    """Return the columns of a table of lbr that refer to another table, with that table."""
     with closing(sqlite3.connect(":memory:")) as connection:
         connection.executescript(robot_db_sql().read_text(encoding="utf-8"))
         return connection.execute(

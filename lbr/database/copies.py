@@ -21,7 +21,7 @@ GENERATIONS = 3
 
 
 class Copy(Struct, frozen=True, kw_only=True):
-    """One kept copy: `number` 1 is the newest, `fault` says why it is no good."""
+    """One kept copy: `number` 1 is the newest, `fault` why it is unusable."""
 
     number: int
     path: str
@@ -32,12 +32,12 @@ class Copy(Struct, frozen=True, kw_only=True):
 
 
 class EditedError(RowError):
-    """The rows are others than those that run: they were edited a moment ago, or the edit is refused."""
+    """The rows differ from those that run: they have just been edited, or the edit is refused."""
 
 
 def keep(path: Path, digest: str) -> Path | None:
-    """Copy a database whose rows are known to run; None if the newest copy holds the same. Raises RowError, EditedError
-    if others are in it now."""
+    """Copy a database whose rows run; return None if the newest copy holds the same. Raise RowError, or EditedError if
+    its rows differ by now."""
     try:
         with _one_at_a_time(path.parent):
             return _keep(path, path.with_name(f"{path.name}.good-new"), digest)
@@ -51,10 +51,10 @@ def stored(path: Path) -> tuple[Copy, ...]:
 
 
 def look(path: Path, number: int = 0, *, digested: bool = True) -> Copy:
-    """Return what a copy holds, and whether it is good; without its digest, unless that is wanted."""
+    """Return the content of a copy, and whether it is good; its digest is optional."""
     at = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(path.stat().st_mtime))
     copy = Copy(number=number, path=str(path), kept_at=at)
-    if not path.is_file():  # a pipe without a writer would be waited for
+    if not path.is_file():  # reading a pipe would block
         return Copy(number=number, path=str(path), kept_at=at, fault=f"{path} is not a file")
     try:
         with sentences(path), closing(connect(path, changing=False)) as connection:
@@ -68,14 +68,14 @@ def look(path: Path, number: int = 0, *, digested: bool = True) -> Copy:
 
 
 def refuse_if_lost(path: Path) -> None:
-    """Raise InputError if a database that is not there was there before: building another would be another robot."""
+    """Raise InputError if a missing database existed before: a new one would be another robot."""
     if any(_name(path, number).exists() for number in range(1, GENERATIONS + 1)):
         text = "but copies of it are: `lbr db restore` puts the last good one in its place, `lbr db init` starts over"
         raise InputError(f"database {path} is not there any more, {text}")
 
 
 def lost_edits(path: Path, revision: int) -> tuple[Problem, ...]:
-    """Return the problem with a database that is older than its newest copy: edits are missing that have run."""
+    """Return the problem of a database that is older than its newest copy: it lacks edits that ran."""
     newest = max((copy.revision for copy in _stored(path, digested=False) if not copy.fault), default=0)
     if newest <= revision:
         return ()
@@ -92,7 +92,7 @@ def _stored(path: Path, *, digested: bool) -> tuple[Copy, ...]:
 
 
 def copy_whole(source: Path, target: Path) -> None:
-    """Write a whole copy, readable by its owner alone, that is on the disk on return."""
+    """Write a complete copy to the disk, readable only by its owner."""
     os.close(os.open(target, os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600))
     with sentences(source), closing(connect(source)) as connection:
         connection.execute("VACUUM INTO ?", (str(target),))
@@ -101,7 +101,7 @@ def copy_whole(source: Path, target: Path) -> None:
 
 
 def sync(folder: Path) -> None:
-    """Let what was renamed in a folder be on the disk."""
+    """Write the renames in a folder to the disk."""
     fd = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
         os.fsync(fd)
@@ -144,7 +144,7 @@ def _one_at_a_time(folder: Path) -> Iterator[None]:
 
 
 def _same(one: Path, other: Path) -> bool:
-    """Return whether two copies hold the same rows and tokens."""
+    """Return whether two copies have the same rows and tokens."""
     try:
         return _content(one) == _content(other)
     except LbrError:

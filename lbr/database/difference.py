@@ -1,4 +1,4 @@
-"""The differences of rows, as people read them. Pure."""
+"""The differences of rows, for people. Pure."""
 
 from typing import Any, Literal
 
@@ -11,7 +11,7 @@ from lbr.messages.rows import short
 
 
 class Difference(Struct, frozen=True, kw_only=True):
-    """One row that was added, removed or changed; `columns` holds what was and what is, of each that differs."""
+    """One row that was added, removed or changed; `columns` has the old and the new value of each changed one."""
 
     table: str
     row: str
@@ -24,7 +24,7 @@ class Difference(Struct, frozen=True, kw_only=True):
 
 
 def changed_columns(table: str, before: RawRow, after: RawRow) -> dict[str, tuple[Any, Any]]:
-    """Return the columns of a row that differ, with what was and what is; what lbr itself writes is no difference."""
+    """Return the changed columns of a row, with old and new values; columns that lbr writes do not count."""
     return {
         column: (old, after.get(column))
         for column, old in before.items()

@@ -1,4 +1,4 @@
-"""Whole rows in place of others, for capabilities and imports, and rows that were learnt."""
+"""Edits of whole rows, for capabilities and imports, and learnt rows."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
@@ -22,8 +22,8 @@ Key = tuple[str, ...]
 RowKey = tuple[str, tuple[Any, ...]]
 """Table and key of a row of one robot."""
 MAKE_PROCESSES = {row.TABLE for row in CORE}
-"""The tables of every robot: such rows choose the programs that run, and their reach. No edit on another's behalf
-writes them."""
+"""The tables of every robot: their rows choose the programs that run, and their rights. Edits of capabilities never
+write them."""
 
 
 def understood(command: EditCommand, allowed: Iterable[type[Row]]) -> tuple[Row, ...]:
@@ -59,7 +59,7 @@ def write_rows(
     """Propose new rows, or rows in place of old ones, all or none. The robot's rows must be good then.
 
     `create` true is for new rows, false for old ones, None for both. The rows must not have changed since `revision`.
-    The parts of a row come in place of all its old parts. InputError gives the reason against the rows.
+    The parts of a row replace all its old parts. InputError has the reason against the rows.
     """
 
     def wanted(tables: RawTables, schema: Schema) -> tuple[Change, ...]:
@@ -89,18 +89,16 @@ def learn(
     *,
     by: str = "",
 ) -> None:
-    """Write the rows that a capability has learnt, all or none. On return they are on the disk.
-
-    Rows that it had are `known`, by table and key. Only the columns that differ are written. Edits of others stay, and
-    a deleted row stays deleted. Each other row must be new.
-    """
+    """Write the rows that a capability has learnt, all or none. On return they are on the disk. Its former rows are
+    `known`, by table and key. Only the columns that differ are written. Edits of others stay, and a deleted row stays
+    deleted. Each other row must be new."""
     with database.writing(durable=True) as connection, database.noted(connection, by):
         schema = Schema(connection)
         changes.write(connection, [_learnt(row, robot, known or {}, schema) for row in rows], schema)
 
 
 def with_setting(tables: RawTables, robot: str, capability: str, setting: str, value: object) -> RawTables:
-    """Return the tables as they are with another setting of a capability; InputError if there is no such row."""
+    """Return the tables with another setting of a capability; raise InputError if there is no such row."""
     rows = tables.get("capability", ())
     if not any((row["robot"], row["name"]) == (robot, capability) for row in rows):
         raise InputError(f"there is no capability '{capability}'", "unknown_name")
@@ -126,7 +124,7 @@ def _with_rows(
     newer: Iterable[RevisionRow],
     revision: int | None,
 ) -> RawTables:
-    """Return the tables with these rows. InputError gives the reason against them in one sentence."""
+    """Return the tables with these rows; raise InputError with the reason against them, in one sentence."""
     if not rows:
         raise InputError("this edit has no rows")
     by_table: dict[str, list[Row]] = {}
@@ -185,7 +183,7 @@ def _refuse(row: Row, existing: RawRow | None, create: bool | None, parts: Seque
 
 
 def _parts(rows: Iterable[Row]) -> dict[tuple[str, Key], tuple[Row, ...]]:
-    """Return the rows that are parts of others, by table and key of those."""
+    """Return the parts of other rows, by those rows' tables and keys."""
     parts: dict[tuple[str, Key], tuple[Row, ...]] = {}
     for row in rows:
         if row.PART_OF:
@@ -201,7 +199,7 @@ def _listed(tables: Iterable[str]) -> str:
 def _changed(
     newer: Iterable[RevisionRow], robot: str, schema: Schema, part_of: Mapping[str, str]
 ) -> Iterator[tuple[str, Key]]:
-    """Yield table and key, without the robot, of rows that were changed; a part counts as its whole."""
+    """Yield table and key, without the robot, of changed rows; a part counts as its whole."""
     for row in newer:
         owned = "robot" in schema.get(row.table, ())
         if not owned or row.row_key[:1] == (robot,):
@@ -217,7 +215,7 @@ def _own(tables: RawTables, row: Row, robot: str) -> dict[Key, RawRow]:
 
 
 def _owner(table: str, robot: str, schema: Schema) -> dict[str, str]:
-    """Return the column of a row's robot. It is empty for tables that all robots share."""
+    """Return the column of a row's robot, empty for tables that all robots share."""
     return {"robot": robot} if "robot" in schema[table] else {}
 
 

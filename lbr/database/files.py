@@ -1,4 +1,4 @@
-"""Which database files lbr opens at all: regular, ours, and not writable for others."""
+"""The database files that lbr opens: regular, ours, and not writable for others."""
 
 import os
 import stat
@@ -26,27 +26,27 @@ def check_file(path: Path) -> None:
 
 
 def check_owners(path: Path) -> None:
-    """Raise RowError if others could change a database, by its file, the way to it or what SQLite keeps beside it."""
+    """Raise RowError if others could change a database: its file, its folders, or SQLite's files beside it."""
     _refuse(path, ownership.database_faults(path))
 
 
 def check_owner(path: Path) -> None:
-    """Raise RowError if others could change a database that is read without what SQLite keeps beside it."""
+    """Raise RowError if others could change a database that is read without SQLite's files beside it."""
     _refuse(path, ownership.faults(path))
 
 
 def check_side_files(path: Path) -> None:
-    """Raise RowError if what SQLite has opened beside a database is not ours."""
+    """Raise RowError if SQLite's files beside a database are not ours."""
     _refuse(path, ownership.side_file_faults(Path(os.path.realpath(path))))
 
 
 def log_files(path: Path) -> tuple[Path, Path]:
-    """Return the names of what SQLite has beside a database while it is open: the log, and its index."""
+    """Return the names of SQLite's files beside an open database: the log, and its index."""
     return path.with_name(f"{path.name}-wal"), path.with_name(f"{path.name}-shm")
 
 
 def check_folder(path: Path) -> None:
-    """Raise RowError if others could put files of theirs where a database is to be built."""
+    """Raise RowError if others could put their files in the place of a new database."""
     _refuse(path, (*ownership.faults(path), *ownership.side_file_faults(Path(os.path.realpath(path)))))
 
 
@@ -60,7 +60,7 @@ def _refuse(path: Path, faults: Iterable[Fault]) -> None:
 
 
 def _unwritable(path: Path, status: os.stat_result) -> str:
-    if os.statvfs(path).f_flag & os.ST_RDONLY:  # as Linux makes it when the disk or card fails
+    if os.statvfs(path).f_flag & os.ST_RDONLY:  # Linux makes it so when the disk or card fails
         return (
             "is on a file system that is read-only: `dmesg` tells why, `mount -o remount,rw` undoes it on a sound disk"
         )

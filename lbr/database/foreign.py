@@ -19,7 +19,7 @@ _OBJECTS = (
 
 
 def foreign(connection: Connection, sql: Path | None = None) -> Iterator[str]:
-    """Yield a sentence for each; a trigger can change rows behind an edit."""
+    """Yield one sentence for each; a trigger can change rows behind an edit."""
     with closing(sqlite3.connect(":memory:")) as ours:
         ours.executescript((sql or robot_db_sql()).read_text(encoding="utf-8"))
         known = {(kind, name) for kind, name, _ in ours.execute(_OBJECTS)}
@@ -39,8 +39,7 @@ def foreign(connection: Connection, sql: Path | None = None) -> Iterator[str]:
 
 
 def _triggers(connection: Connection, table: str) -> str:
-    """Return the SQL of the triggers that a table lacks; nothing for one that could not be a capability's, by its
-    names."""
+    """Return the SQL of the triggers that a table lacks; empty if its names show that it is not a capability's."""
     found = connection.execute("SELECT name, pk FROM pragma_table_info(?)", (table,)).fetchall()
     columns = [name for name, _ in found]
     key = [name for name, _ in sorted((one for one in found if one[1]), key=lambda one: one[1])]

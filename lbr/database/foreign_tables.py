@@ -1,7 +1,6 @@
-"""The rows of another program's SQLite database, or of one written out as SQL: read in memory, nothing of it is
-trusted.
+"""The rows of another program's SQLite database, or of its dump as SQL: read in memory, and not trusted.
 
-A dump may only make tables and fill them. It reaches no file, and has no more than a moment.
+A dump may only make tables and fill them. It has no access to files, and little time.
 """
 
 import sqlite3
@@ -28,25 +27,25 @@ _MAKING = {
     sqlite3.SQLITE_REINDEX,
 }
 _SCHEMA = {"sqlite_master", "sqlite_schema", "sqlite_sequence"}
-"""The reads and writes of making a table; a dump begins the last of them again."""
+"""The reads and writes while a table is made; a dump resets the last of them."""
 _OF_SCHEMA = {sqlite3.SQLITE_READ, sqlite3.SQLITE_UPDATE, sqlite3.SQLITE_DELETE}
 _FUNCTIONS = {"replace", "char", "unistr", "length", "lower", "upper", "typeof", "date", "datetime", "strftime"}
-"""By which dumps write texts of several lines, and tables their checks and defaults."""
+"""The functions with which dumps write texts of several lines, and tables their checks and defaults."""
 _READING = {sqlite3.SQLITE_SELECT, sqlite3.SQLITE_READ}
 _PRAGMAS = {"foreign_keys", "encoding", "user_version", "application_id"}
 
 
 def of_database(content: bytes) -> ForeignTables:
-    """Return the rows of every table of a database file; InputError if it cannot be read."""
+    """Return the rows of every table of a database file; raise InputError if it is unreadable."""
     with _memory("it is no SQLite database that could be read") as connection:
         plain = bytearray(content)
-        plain[18:20] = b"\1\1"  # one with a write-ahead log could not be read in memory; the log is another file
+        plain[18:20] = b"\1\1"  # SQLite could not read one with a write-ahead log in memory; the log is another file
         connection.deserialize(bytes(plain))
         return _tables(connection)
 
 
 def of_sql(text: str) -> ForeignTables:
-    """Return the rows of every table that a dump makes; InputError says what it asks for that is not done."""
+    """Return the rows of every table that a dump makes; raise InputError with the refused statement."""
     if "\0" in text:
         raise InputError("it is no SQL that could be read: it has a NUL character in it")
     with _memory("it is no SQL that could be read") as connection:
@@ -56,18 +55,18 @@ def of_sql(text: str) -> ForeignTables:
 
 
 class _Making:
-    """Allows to make and fill tables, but not from one another, so that nothing grows beyond what is written."""
+    """Permits to make and fill tables, but not from one another, so that the result is no larger than the dump."""
 
     def __init__(self) -> None:
         self._selects = False
 
     def __call__(self, action: int, first: str | None, second: str | None, *_: str | None) -> int:
-        """Say whether SQLite may; a statement begins with what it makes or fills."""
+        """Return SQLite's permission; a statement begins with the table that it makes or fills."""
         self._selects = action == sqlite3.SQLITE_SELECT or (self._selects and action != sqlite3.SQLITE_INSERT)
         allowed = (
             action in _MAKING
             or (action in _OF_SCHEMA and first in _SCHEMA)
-            or (action == sqlite3.SQLITE_READ and not self._selects)  # a key, to see whether it is there already
+            or (action == sqlite3.SQLITE_READ and not self._selects)  # a key, to see whether it exists already
             or (action == sqlite3.SQLITE_PRAGMA and first in _PRAGMAS)
             or (action == sqlite3.SQLITE_FUNCTION and second in _FUNCTIONS)
         )

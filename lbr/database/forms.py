@@ -32,12 +32,12 @@ class ChangedError(InputError):
 
 
 def fixed(row: type[Row]) -> str:
-    """Return why a page may not change a table at all, or nothing."""
+    """Return why a page may not change a table at all, or an empty text."""
     return f"a row of {row.TABLE} {NAMES_PROGRAMS}" if row is ExternalCommandRow else ""
 
 
 def schema(row: type[Row]) -> dict[str, Any]:
-    """Return the JSON Schema of a table's rows, with what each column means."""
+    """Return the JSON Schema of a table's rows, with the meaning of each column."""
     whole = msgspec.json.schema(row)
     for name, column in columns(row).items():
         whole["$defs"][row.__name__]["properties"][name]["description"] = column.meaning
@@ -55,7 +55,7 @@ def wanted(robot: str, forms: Sequence[RowChange], classes: Classes) -> Wanted:
 
 
 def undoing(before: RawTables, after: RawTables, schema: Schema, classes: Classes) -> list[RowChange]:
-    """Return the forms that take a change back, of the columns that it changed alone."""
+    """Return the forms that undo a change, only for the changed columns."""
     return [_form(of(one.table, schema, classes), one) for one in changes.between(after, before, schema)]
 
 
@@ -74,7 +74,7 @@ def changed(tables: RawTables, schema: Schema, robot: str, forms: Sequence[RowCh
 
 
 def of(table: str, schema: Schema, classes: Classes) -> type[Row]:
-    """Return the class of a table's rows. InputError if no such table has revisions."""
+    """Return the class of a table's rows; raise InputError if no such table has revisions."""
     known = sorted(name for name in classes if name in schema)
     if table not in known:
         raise InputError(f"there is no table '{short(table)}': {', '.join(known)}", "unknown_name")

@@ -1,4 +1,4 @@
-"""Files that a person names, to read them whole: only regular ones, none that is too large, and a folder's in order."""
+"""Files that a person names, read as a whole: only regular ones, none too large, and those of a folder in order."""
 
 import os
 import stat
@@ -8,15 +8,15 @@ from pathlib import Path
 from lbr.errors import InputError
 
 MOST_FILES = 500
-"""In a folder; more are no robot's data."""
+"""The files in a folder; more are not a robot's data."""
 UTF_16 = {b"\xff\xfe", b"\xfe\xff"}
-"""Its marks, at the beginning of a file."""
+"""The marks at the beginning of a UTF-16 file."""
 
 
 def read(path: Path, largest_bytes: int) -> bytes:
-    """Return the content of a file; InputError if it cannot be read, is no file with an end, or is too large."""
+    """Return the content of a file; raise InputError if it is unreadable, not a regular file, or too large."""
     try:
-        number = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # a pipe without a writer holds nothing up
+        number = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # a pipe without a writer must not block
     except OSError as err:
         raise InputError(f"{path} cannot be read: {err.strerror}") from err
     status = os.fstat(number)
@@ -36,7 +36,7 @@ def read(path: Path, largest_bytes: int) -> bytes:
 
 
 def listed(folder: Path) -> tuple[list[Path], list[Path]]:
-    """Return the files of a folder by their names, and what else is in it: folders, links, pipes."""
+    """Return the files of a folder by name, and its other entries: folders, links, pipes."""
     try:
         entries = sorted(folder.iterdir())
     except OSError as err:
@@ -48,12 +48,12 @@ def listed(folder: Path) -> tuple[list[Path], list[Path]]:
 
 
 def unicode_text(content: bytes) -> str:
-    """Return a file's text: UTF-16 by its mark, else UTF-8; UnicodeDecodeError if it is neither."""
+    """Return a file's text: UTF-16 by its mark, otherwise UTF-8; raise UnicodeDecodeError for other files."""
     return content.decode("utf-16" if content[:2] in UTF_16 else "utf-8-sig")
 
 
 def decoded(content: bytes) -> str | None:
-    """Return a file's text: UTF-8 or UTF-16 by its mark, UTF-8, Korean or Western; None if it is no text."""
+    """Return a file's text: UTF-8 or UTF-16 by its mark, UTF-8, Korean or Western; None if it is not text."""
     if b"\0" in content and content[:2] not in UTF_16:
         return None
     with suppress(UnicodeDecodeError):

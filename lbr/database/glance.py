@@ -8,7 +8,7 @@ from lbr.database.statements import select
 
 
 def rows(path: Path, table: str, *columns: str) -> list[tuple[str, ...]]:
-    """Return the values of some columns, each once. The list is empty if they cannot be read."""
+    """Return the values of some columns, each once; empty if they are unreadable."""
     try:
         with closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True, timeout=0.1)) as database:
             found = database.execute(select(table, columns, columns))

@@ -14,13 +14,13 @@ from lbr.messages.system import Event
 EVENTS_KEPT = 20_000
 LEVELS = ("info", "warning", "error")
 LONGEST = 300
-"""Characters of what is said of a change."""
+"""In characters of the text of a change."""
 MOST_LOOKED_THROUGH = 500
-"""Newer changes than these are few while a form is open."""
+"""Enough for the changes while a form is open."""
 
 
 def append_events(connection: Connection, events: Iterable[Event], now_ns: int) -> None:
-    """Write events down, and let the oldest go beyond those kept."""
+    """Write events, and delete the oldest beyond the kept number."""
     rows = [_stored(event, now_ns) for event in events]
     if not rows:
         return
@@ -31,7 +31,7 @@ def append_events(connection: Connection, events: Iterable[Event], now_ns: int) 
 def newest_events(
     connection: Connection, limit: int, *, subject: str = "", levels: Sequence[str] = LEVELS
 ) -> tuple[Event, ...]:
-    """Return the newest events, oldest first: of one subject, or of some levels, if so asked."""
+    """Return the newest events, oldest first; optionally of one subject, or of some levels."""
     where = f"level IN ({', '.join('?' * len(levels))}) AND (? = '' OR subject = ?) ORDER BY id DESC LIMIT ?"
     rows = selected(connection, "event", where, *levels, subject, subject, limit)
     return tuple(
@@ -64,7 +64,7 @@ def revisions(connection: Connection, since: int) -> tuple[RevisionRow, ...]:
 
 
 def touched(connection: Connection, since: int) -> tuple[RevisionRow, ...]:
-    """Return which rows were changed after revision `since`, oldest first, without what stood in them."""
+    """Return the rows that were changed after revision `since`, oldest first, without their content."""
     statement = "SELECT id, table_name, row_key, operation, changed_at FROM revision WHERE id > ? ORDER BY id"
     return tuple(
         RevisionRow(id=id_, table=table, row_key=_key(key), operation=operation, before=None, after=None, changed_at=at)
@@ -73,7 +73,7 @@ def touched(connection: Connection, since: int) -> tuple[RevisionRow, ...]:
 
 
 def made(connection: Connection, change: ChangeRow) -> None:
-    """Write down who made some revisions, and by what."""
+    """Record the author and the way of some revisions."""
     texts = {name: storable(getattr(change, name))[:LONGEST] for name in ("source", "program", "text")}
     row = {"first_revision": change.first_revision, "last_revision": change.last_revision, **texts}
     insert(connection, "change", [row])
@@ -101,14 +101,14 @@ def last_change(
 
 
 def outdo(connection: Connection, revision: int) -> None:
-    """Note an edit of every row that is newer than `revision` and than all others."""
+    """Record an edit of every row that is newer than `revision` and than all others."""
     newest = max(revision, connection.scalar("SELECT max(id) FROM revision") or 0)
     row = {"id": newest + 1, "table_name": "robot", "row_key": '["every row"]', "operation": "update"}
     insert(connection, "revision", [row])
 
 
 def storable(text: str) -> str:
-    """Return a text with everything but UTF-8 replaced."""
+    """Return a text in which all but valid UTF-8 is replaced."""
     return text.encode(errors="replace").decode()
 
 
@@ -124,8 +124,7 @@ def _stored(event: Event, now_ns: int) -> dict[str, str | int]:
 
 
 def _row(text: str | None) -> dict[str, Any] | None:
-    """Return a row of a revision as its table holds it: a column set by `json_set` stands in a trigger as JSON, not as
-    text."""
+    """Return a revision's row as in its table: in a trigger, a column set by `json_set` is JSON, not text."""
     found = _object(text)
     return {name: _as_text(value) for name, value in found.items()} if found is not None else None
 

@@ -1,4 +1,4 @@
-"""Brings an older database to the schema of this version: backup first, then all steps in one transaction."""
+"""Upgrades an older database to this version's schema: backup first, then all steps in one transaction."""
 
 import os
 from contextlib import ExitStack
@@ -17,9 +17,9 @@ HEAD = max(step.stem[1:5] for step in MIGRATIONS.glob("versions/v*.py"))
 
 
 def bring_up_to_date(connection: Connection, path: Path) -> Path | None:
-    """Upgrade an older database and return its backup, if there was something to do.
+    """Upgrade an older database and return its backup; None if it is up to date.
 
-    RowError: its schema is unknown, or a robot of an older version runs from it, which could not read it any more.
+    RowError: its schema is unknown, or a robot of an older version runs from it, which could no longer read it.
     """
     stamp = _stamp(connection)
     if stamp == HEAD:
@@ -29,7 +29,7 @@ def bring_up_to_date(connection: Connection, path: Path) -> Path | None:
         text = f"database {path} has the schema '{stamp}', and a robot of the older lbr that made it runs from it"
         raise RowError((f"{text}: end that first (`lbr stop`, or `systemctl stop`), then it is brought to '{HEAD}'",))
     backup_file = backup(connection, path, stamp)
-    pragma(connection, "foreign_keys = OFF")  # or the rebuilding of a table would delete what refers to it
+    pragma(connection, "foreign_keys = OFF")  # otherwise rebuilding a table would delete the rows that refer to it
     try:
         with transaction(connection, "IMMEDIATE"):
             if _stamp(connection) != HEAD:
@@ -40,7 +40,7 @@ def bring_up_to_date(connection: Connection, path: Path) -> Path | None:
 
 
 def backup(connection: Connection, path: Path, stamp: str) -> Path:
-    """Copy the whole database beside itself, readable by its owner alone, never over an earlier copy."""
+    """Copy the whole database beside itself, readable only by its owner, never over an earlier copy."""
     target = _new_file(path, stamp)
     with ExitStack() as failed:
         failed.callback(target.unlink)
@@ -78,14 +78,14 @@ def _upgrade(connection: Connection) -> None:
     config = Config()
     config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
     dangling = _dangling(connection)
-    # The transaction is ours: what SQLAlchemy takes for one of its own ends nothing here.
+    # The transaction is ours: SQLAlchemy's own transactions end nothing here.
     engine = create_engine("sqlite://", creator=lambda: _Lent(connection), poolclass=StaticPool)
     try:
         with engine.connect() as config.attributes["connection"]:
             command.upgrade(config, HEAD)
     except DBAPIError as err:
         raise (err.orig or err) from None
-    connection.execute("DELETE FROM adopted")  # the same rows may look different now
+    connection.execute("DELETE FROM adopted")  # the same rows may have another hash now
     if _dangling(connection) > dangling:
         raise RowError(("the upgrade would leave rows that refer to none; nothing was changed: report this",))
 
@@ -99,7 +99,7 @@ def run(script: str) -> None:
 
 
 class _Lent:
-    """A connection for as long as a migration takes: it neither commits, rolls back nor closes."""
+    """A connection for the time of a migration: it neither commits, rolls back nor closes."""
 
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
@@ -108,7 +108,7 @@ class _Lent:
         return getattr(self._connection, name)
 
     def commit(self) -> None:
-        """Leave that to the caller that began."""
+        """Do nothing: the caller that began commits."""
 
     rollback = close = commit
 

@@ -1,4 +1,4 @@
-"""Rows that packages bring: run beside the schema, one robot at a time, and taken only if they are that robot's own.
+"""Rows of packages: run beside the schema, one robot at a time, and accepted only if they belong to that robot.
 
 rows.sql of a package ──► a database in memory, with schema and lbr ──► what is new there ──► robot.db
                             inserts only                                 checked: package and row are named
@@ -25,7 +25,7 @@ from lbr.robot import registry
 from lbr.robot.registry import Found
 
 Judge = Callable[[RobotRows], Iterable[str]]
-"""Returns what a start would find wrong with a robot's rows."""
+"""Returns the problems that a start would find in a robot's rows."""
 READING = frozenset(
     {
         sqlite3.SQLITE_SELECT,
@@ -38,14 +38,14 @@ READING = frozenset(
 
 
 class Brought(Struct, frozen=True):
-    """The rows of all robots that packages bring, one after the other, and why others bring none."""
+    """The rows of the robots of all packages, in order, and the reasons for refused ones."""
 
     robots: tuple[RawTables, ...]
     refused: tuple[str, ...]
 
 
 def every(judge: Judge = lambda _rows: ()) -> Brought:
-    """Return the rows of all robots that packages bring; one that is refused is named, and keeps out no other."""
+    """Return the rows of the robots of all packages; a refused one is named, and does not affect the others."""
     robots, refused = [], []
     for installed in registry.every():
         if installed.robot is None:
@@ -59,7 +59,7 @@ def every(judge: Judge = lambda _rows: ()) -> Brought:
 
 
 def rows_of(installed: Found, judge: Judge = lambda _rows: ()) -> RawTables:
-    """Return the rows that a package brings for its robot; RowError names package and row of everything wrong."""
+    """Return a package's rows for its robot; raise RowError with package and row of every fault."""
     label = f"robot '{installed.name}' of package '{installed.package}'"
     if installed.robot is None or installed.robot.rows is None:
         raise RowError((installed.fault or f"{label} brings no rows",))
@@ -86,7 +86,7 @@ def rows_of(installed: Found, judge: Judge = lambda _rows: ()) -> RawTables:
 
 
 def _run(connection: Connection, schema: Schema, path: Path) -> None:
-    """Run a file of SQL that inserts rows and does nothing else; ValueError says in which line it does not."""
+    """Run a file of SQL that only inserts rows; raise ValueError with the line of any other statement."""
 
     def allow(action: int, first: str | None, _second: str | None, _where: str | None, trigger: str | None) -> int:
         mine = action == sqlite3.SQLITE_INSERT and (trigger is not None or first in schema)

@@ -19,8 +19,7 @@ from lbr.messages.rows import Row, short
 from lbr.messages.shapes import Shape
 
 TOGETHER = timedelta(seconds=0.5)
-"""Revisions of another SQLite client that follow each other this closely are told as one change: a transaction's take
-less."""
+"""Revisions of another SQLite client that follow each other this closely are shown as one change."""
 ALIKE = 1e-14
 """SQLite writes 15 digits of a number into a revision."""
 Key = tuple[Any, ...]
@@ -43,7 +42,7 @@ class ChangeRow(Row, frozen=True, kw_only=True):
 
 
 class HistoryEntry(Struct, frozen=True, kw_only=True):
-    """Revisions that belong together. Without a `program`, `text` says why it is not known."""
+    """Revisions that belong together. Without a `program`, `text` has the reason why it is unknown."""
 
     first: int
     last: int
@@ -55,8 +54,8 @@ class HistoryEntry(Struct, frozen=True, kw_only=True):
 
 
 def at(tables: RawTables, schema: Schema, newer: Sequence[RevisionRow]) -> RawTables:
-    """Return the tables as they were before the revisions `newer`, oldest first; InputError says what keeps one from
-    that."""
+    """Return the tables before the revisions `newer`, which are oldest first; raise InputError if that is
+    impossible."""
     by_key = {
         table: {tuple(row[name] for name in key): row for row in tables.get(table, ())}
         for table, key in schema.keys_of.items()
@@ -69,13 +68,13 @@ def at(tables: RawTables, schema: Schema, newer: Sequence[RevisionRow]) -> RawTa
 
 
 def around(tables: RawTables, schema: Schema, newer: Sequence[RevisionRow], last: int) -> tuple[RawTables, RawTables]:
-    """Return the tables before and after the revisions up to `last`; `newer` are these and all since, oldest first."""
+    """Return the tables before and after the revisions up to `last`; `newer` are these and later ones, oldest first."""
     after = at(tables, schema, [revision for revision in newer if revision.id > last])
     return at(after, schema, [revision for revision in newer if revision.id <= last]), after
 
 
 def of_revision(revision: RevisionRow) -> Difference:
-    """Return one revision as people read it; a row that got another name was changed."""
+    """Return one revision, for people; a renamed row counts as changed."""
     row = "/".join(map(short, revision.row_key))
     if revision.before is None or revision.after is None:
         what = {"insert": "added", "delete": "removed"}.get(revision.operation, "changed")
@@ -85,7 +84,7 @@ def of_revision(revision: RevisionRow) -> Difference:
 
 
 def entries(revisions: Iterable[RevisionRow], known: Iterable[ChangeRow]) -> tuple[HistoryEntry, ...]:
-    """Return revisions grouped by their change, oldest first; those that lbr did not make by their time."""
+    """Return revisions grouped by their change, oldest first; those of other programs by their time."""
     ahead = sorted(known, key=lambda change: change.first_revision, reverse=True)
     groups: list[list[RevisionRow]] = []
     causes: list[ChangeRow | None] = []
@@ -105,7 +104,7 @@ def entries(revisions: Iterable[RevisionRow], known: Iterable[ChangeRow]) -> tup
 
 
 def _undo(rows: dict[Key, RawRow], schema: Schema, revision: RevisionRow) -> None:
-    """Take one revision back, the newest that has not been taken back yet."""
+    """Undo one revision, the newest that is not undone yet."""
     before, after, table = revision.before, revision.after, revision.table
     if before is None and after is None:
         raise _lost(revision, "the whole database was replaced by a copy then (`lbr db restore`)")
@@ -138,7 +137,7 @@ def _before(
     schema: Schema,
     of: RevisionRow,
 ) -> Any:
-    """Return the former value of a column: exactly, where a row's change left it as it is."""
+    """Return the former value of a column: exactly, if the row's change left it as it is."""
     unchanged = now is not None and after is not None and _alike(before.get(name), after.get(name, math.nan))
     if name in before and not unchanged:
         return before[name]

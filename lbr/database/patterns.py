@@ -9,7 +9,7 @@ _FIELD = re.compile(r"\{([a-z][a-z0-9_]*)(\.\.\.)?\}")
 
 
 class Pattern(Struct, frozen=True):
-    """A pattern taken apart: its word, the parts after it (fields in braces), and whether the last takes the rest."""
+    """A parsed pattern: its word, its parts (fields in braces), and whether the last field has the rest of the line."""
 
     word: str
     alias: bool
@@ -18,12 +18,12 @@ class Pattern(Struct, frozen=True):
 
     @property
     def fields(self) -> tuple[str, ...]:
-        """The message fields that it binds, in the order of the line."""
+        """Return the message fields that it binds, in the order of the line."""
         return tuple(found[1] for part in self.parts if (found := _FIELD.fullmatch(part)))
 
     @property
     def shape(self) -> tuple[str, ...]:
-        """Return what lines it takes; two patterns of one shape cannot be told apart."""
+        """Return the form of its lines; two patterns of one shape cannot be distinguished."""
         parts = tuple(
             ("{...}" if self.rest and part is self.parts[-1] else "{}") if part[0] == "{" else part
             for part in self.parts
@@ -32,7 +32,7 @@ class Pattern(Struct, frozen=True):
 
 
 def parse(text: str) -> Pattern:
-    """Take a pattern apart; raise ValueError saying what is wrong with it."""
+    """Parse a pattern; raise ValueError with its fault."""
     if not text.startswith("/"):
         return Pattern(_word(text), alias=True)
     word, *parts = text[1:].split("/")

@@ -24,7 +24,7 @@ from lbr.errors import InputError, RowError
 
 TRIES = 5
 Wanted = Callable[[RawTables, Schema], tuple[Change, ...]]
-"""Returns the changes of the tables as they are now. InputError gives the reason against them."""
+"""Returns the changes of the present tables; raises InputError with the reason against them."""
 Judge = Callable[[RobotRows], Iterable[Problem]]
 """Returns the problems of a robot's rows."""
 Write = Callable[[Connection, Sequence[Change], Schema], None]
@@ -41,7 +41,7 @@ class Proposed(Struct, frozen=True, kw_only=True):
     problems: tuple[Problem, ...] = ()
 
     def good(self) -> Self:
-        """Return itself. RowError if it has problems."""
+        """Return itself; raise RowError if it has problems."""
         if self.problems:
             raise RowError(tuple(map(str, self.problems)))
         return self
@@ -66,9 +66,9 @@ def propose(
 ) -> Proposed:
     """Write the wanted changes, all or none, unless they have problems. On return they are on the disk.
 
-    With `robot`, only the rows of this robot are judged. With `mending`, old problems do not count.
-    `expected` is the revision that the rows must have. `by` and `text` name the author and the change. A dry run rolls
-    all of it back at the end. The checks hold up no other writer. After another write they begin again.
+    With `robot`, only the rows of this robot are judged. With `mending`, old problems do not count. `expected` is the
+    revision that the rows must have. `by` and `text` name the author and the change. A dry run rolls everything back at
+    the end. The checks delay no other writer. After another write they begin again.
     """
     for _ in range(TRIES):
         with database.reading() as connection:
@@ -119,7 +119,7 @@ def command(
 
 
 def _in_the_way(seen: Seen, after: RawTables, judge: Judge, robot: str | None, *, mending: bool) -> Iterator[Problem]:
-    """Yield the problems of the rows `after`, and one for each latched robot that would be removed."""
+    """Yield the problems of the rows `after`, and one for each removed robot whose emergency stop is latched."""
     robots = {row["name"]: row for row in seen.tables.get(ROBOT, ())}
     stays = [row["name"] for row in after.get(ROBOT, ())]
     for name, row in robots.items():
@@ -137,7 +137,7 @@ def _in_the_way(seen: Seen, after: RawTables, judge: Judge, robot: str | None, *
 
 
 def _refuse_other(revision: int, expected: int | None) -> None:
-    """Raise InputError if the rows do not have the expected revision any more."""
+    """Raise InputError if the rows no longer have the expected revision."""
     if expected is not None and revision != expected:
         raise InputError(
             f"the rows have revision {revision}, not {expected}: they were changed meanwhile; look at them again",

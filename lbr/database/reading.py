@@ -1,4 +1,4 @@
-"""Tables of one robot as they are read and checked: each once it is asked for, all problems of a row at once."""
+"""The tables of one robot: each is read and checked on request, with all problems of a row at once."""
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, TypeVar, cast
@@ -11,13 +11,13 @@ from lbr.messages.rows import Check, Fault, Others, Row, short
 R = TypeVar("R", bound=Row)
 RawRow = Mapping[str, Any]
 RawTables = Mapping[str, Sequence[RawRow]]
-"""Table name to rows, each column name to what SQLite holds."""
+"""Table name to rows, each from column name to SQLite's value."""
 ROBOT = "robot"
-"""The table of the robots themselves, and the column that says whose a row is."""
+"""The table of the robots themselves, and the column with a row's robot."""
 
 
 class Problem(Struct, frozen=True):
-    """A problem of one row: `row` is its key as people read it, `column` may be empty for the whole row."""
+    """A problem of one row: `row` is its key, for people; `column` is empty for the whole row."""
 
     table: str
     row: str
@@ -30,11 +30,11 @@ class Problem(Struct, frozen=True):
 
 
 class _UnreadError(Exception):
-    """A check has asked for a column that could not be read; what is wrong there has been told."""
+    """A check needs an unreadable column, whose fault is already reported."""
 
 
 class _Partial:
-    """A row of which some columns could not be read."""
+    """A row with unreadable columns."""
 
     def __init__(self, row: Row, unread: frozenset[str]) -> None:
         self._row = row
@@ -47,7 +47,7 @@ class _Partial:
 
 
 class Read(Struct):
-    """A row as it was read; in `unread` columns are stand-ins, and in `wrong` ones what is against others."""
+    """A row as it was read; its `unread` columns have stand-ins, its `wrong` ones contradict others."""
 
     label: str
     row: Any
@@ -56,12 +56,12 @@ class Read(Struct):
 
     @property
     def view(self) -> Any:
-        """The row as checks see it."""
+        """Return the row for checks."""
         return _Partial(self.row, self.unread) if self.unread else self.row
 
 
 class Tables:
-    """All tables of one robot as they stand; a table's rows are read, and checked, once they are asked for."""
+    """All tables of one robot; a table's rows are read and checked on request."""
 
     def __init__(self, raw: RawTables, robot: str, columns: Mapping[str, Iterable[str]]) -> None:
         self._raw = raw
@@ -84,19 +84,19 @@ class Tables:
 
     @property
     def own(self) -> Mapping[str, list[RawRow]]:
-        """The rows of each table but `robot` as they stand: the robot's own, and what is every robot's."""
+        """Return the raw rows of each table but `robot`: the robot's own, and the shared ones."""
         return self._own
 
     def __contains__(self, table: str) -> bool:
         return table in self._raw
 
     def good(self, row: type[R]) -> tuple[R, ...]:
-        """Return the rows of a table that nothing is wrong with."""
+        """Return the faultless rows of a table."""
         self.problems(row)
         return tuple(cast("R", one.row) for one in self.rows(row) if not one.wrong)
 
     def rows(self, row: type[Row]) -> list[Read]:
-        """Return the rows of a table, the bad ones too."""
+        """Return the rows of a table, including bad ones."""
         if row not in self._read:
             found: list[Problem] = []
             self._read[row] = [self._read_row(row, values, found) for values in self._of(row, found)], found
@@ -115,13 +115,13 @@ class Tables:
         return self._judged[row]
 
     def names(self, table: str) -> frozenset[Any]:
-        """Return the column `name` of a table's rows, of bad ones too."""
+        """Return the column `name` of a table's rows, including bad ones."""
         if table not in self._names:
             self._names[table] = frozenset(values.get("name") for values in self._own.get(table, ()))
         return self._names[table]
 
     def index(self, row: type[R], by: Callable[[R], Hashable]) -> Mapping[Hashable, R]:
-        """Return the first row for each value of `by`, of the rows that have one."""
+        """Return the first row for each value of `by`, if its columns are readable."""
         if (row, by) not in self._indexes:
             first: dict[Hashable, Any] = {}
             for read in self.rows(row):
@@ -131,7 +131,7 @@ class Tables:
         return self._indexes[row, by]
 
     def _of(self, row: type[Row], problems: list[Problem]) -> Sequence[RawRow]:
-        """Return a table's rows, if it has all columns; note rows of robots that are not there."""
+        """Return a table's rows, if it has all columns; note rows of missing robots."""
         table, known = row.TABLE, set(self._columns.get(row.TABLE, ()))
         wanted = set(columns(row))
         if known:
@@ -188,7 +188,7 @@ def _together(row: Row, _: Others) -> Iterator[Fault]:
 
 
 def _label(row: type[Row], values: RawRow) -> str:
-    """Return a row's key as people read it."""
+    """Return a row's key, for people."""
     key = ("robot", *row.KEY) if "robot" in values else row.KEY
     return "/".join(short(values.get(column)) for column in key)
 

@@ -1,4 +1,4 @@
-"""Putting a copy in the place of a database that is damaged or unwanted."""
+"""Replaces a damaged or unwanted database by a copy."""
 
 import fcntl
 import os
@@ -19,14 +19,14 @@ from lbr.errors import InputError, LbrError, RowError
 SQLITE_SHARED_FIRST = 0x40000002
 SQLITE_SHARED_SIZE = 510
 SQL_BYTES = 16 << 20
-"""Of SQL, in which the tables of a robot are looked for."""
+"""Of SQL, which is searched for the tables of a robot."""
 
 
 def restore(path: Path, source: Path | None = None) -> tuple[Path, Path | None]:
-    """Put a copy (the newest good one) in the database's place; return it, and where the file before it is now.
+    """Replace the database by a copy (by default the newest good one); return that, and the old file's new place.
 
-    Revoked tokens stay so, as far as the file can be read; the audit trail tells of it, and nothing is deleted. Raises
-    InputError if the database is in use, or if there is no good copy.
+    Revoked tokens stay revoked, as far as the old file is readable. The audit trail records the change, and nothing is
+    deleted. Raise InputError if the database is in use, or without a good copy.
     """
     check_folder(path.with_name(f"{path.name}.restoring"))
     if _in_use(path):
@@ -61,7 +61,7 @@ def _newest_good(path: Path) -> Path:
 
 
 def _check(source: Path) -> None:
-    """Refuse what is not a good database of a robot by its own name, before anything is made of it."""
+    """Refuse a source that is not a good database of a robot, before anything is made of it."""
     if not source.is_file():
         raise InputError(f"there is no file {source} to copy from", "unknown_name")
     with source.open("rb") as opened:
@@ -74,7 +74,7 @@ def _check(source: Path) -> None:
 
 
 def _complete(draft: Path, path: Path, source: Path, aside: Path | None) -> None:
-    """Bring the copy up to date, revoke the tokens that were revoked, and note the restoring as the newest edit."""
+    """Upgrade the copy, revoke the tokens that were revoked, and record the change as the newest edit."""
     revoked, revision = _remains(path)
     revision = max([revision, *(copy.revision for copy in copies.stored(path))])
     with Database.open(draft) as database:
@@ -90,14 +90,13 @@ def _complete(draft: Path, path: Path, source: Path, aside: Path | None) -> None
 
 
 def _remains(path: Path) -> tuple[set[str], int]:
-    """Return the names of revoked tokens and the revision, as far as the file can still be read; it is left as it
-    is."""
+    """Return the names of revoked tokens and the revision, as far as the file is readable; it stays as it is."""
     with tempfile.TemporaryDirectory(prefix="lbr-restore-") as place:
         copy = Path(place) / path.name
         with suppress(LbrError, OSError):
             shutil.copyfile(path, copy)
             with suppress(LbrError, FileNotFoundError):
-                check_side_files(path)  # a stranger's log could make a revoked token good again
+                check_side_files(path)  # a stranger's log could make a revoked token valid again
                 shutil.copyfile(log_files(path)[0], log_files(copy)[0])
             with sentences(copy), closing(connect(copy)) as connection:
                 return revoked(connection), adopted.revision(connection)
@@ -120,7 +119,7 @@ def _aside(path: Path) -> Path:
 
 
 def _in_use(path: Path) -> bool:
-    """Return whether another process has the database open; in WAL mode each keeps SQLite's shared lock."""
+    """Return whether another process has the database open: in WAL mode each holds SQLite's shared lock."""
     try:
         fd = os.open(path, os.O_RDWR | os.O_CLOEXEC)
     except OSError:

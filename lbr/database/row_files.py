@@ -1,8 +1,8 @@
-"""Rows as text files that git compares well: a folder for each robot, in it a file for each table. Pure but for `read`
-and `write`.
+"""Rows as text files that git compares well: a folder for each robot with a file for each table. Pure except `read`,
+`write`.
 
-rows/lbr/capability.json    the rows of 'lbr', by their keys; what the database holds as JSON stands there as JSON
-rows/_shared/phrase.json    what is every robot's
+rows/lbr/capability.json    the rows of 'lbr', by their keys; JSON of the database is JSON there
+rows/_shared/phrase.json    the rows that all robots share
 """
 
 import json
@@ -23,14 +23,14 @@ from lbr.errors import InputError, RowError
 from lbr.messages.rows import short
 
 SHARED = "_shared"
-"""The folder of rows that are every robot's; no robot can be called so."""
+"""The folder of rows that all robots share; no robot can have this name."""
 MOST_BYTES = 32_000_000
 """Of one file: a hundred times the largest table that comes with lbr."""
 _SUFFIX = ".json"
 
 
 class File(Struct, frozen=True, kw_only=True):
-    """One table of one robot as text; `robot` is SHARED for rows that are every robot's."""
+    """One table of one robot as text; `robot` is SHARED for rows of all robots."""
 
     robot: str
     table: str
@@ -38,13 +38,12 @@ class File(Struct, frozen=True, kw_only=True):
 
     @property
     def name(self) -> str:
-        """Return where it stands in its folder."""
+        """Return its path in the folder."""
         return f"{self.robot}/{self.table}{_SUFFIX}"
 
 
 def written(tables: RawTables, schema: Schema, robot: str | None = None) -> tuple[File, ...]:
-    """Return the files of all tables, also of empty ones; of one robot alone, without what is every robot's, if so
-    asked."""
+    """Return the files of all tables, including empty ones; optionally of one robot, without shared rows."""
     files = []
     for folder in sorted(row["name"] for row in tables.get(ROBOT, ()) if robot in {None, row["name"]}):
         for table in schema:
@@ -59,8 +58,7 @@ def written(tables: RawTables, schema: Schema, robot: str | None = None) -> tupl
 
 
 def applied(files: tuple[File, ...], tables: RawTables, schema: Schema) -> RawTables:
-    """Return the tables as they are with these files; a table without a file stays. RowError names file, row and
-    column."""
+    """Return the tables with these files; a table without a file stays. RowError names file, row and column."""
     after: dict[str, list[RawRow]] = {table: list(rows) for table, rows in tables.items()}
     faults: list[str] = []
     for file in files:
@@ -76,7 +74,7 @@ def applied(files: tuple[File, ...], tables: RawTables, schema: Schema) -> RawTa
 
 
 def place(problem: Problem, schema: Schema) -> str:
-    """Return a problem of a row as a sentence that names the file where it stands."""
+    """Return a row's problem as a sentence with the file."""
     if problem.table not in schema:
         return str(problem)
     owner, _, rest = problem.row.partition("/")
@@ -86,8 +84,8 @@ def place(problem: Problem, schema: Schema) -> str:
 
 
 def write(folder: Path, files: tuple[File, ...]) -> None:
-    """Write files into a folder, each whole or not at all; others that are there stay. InputError says which cannot
-    be."""
+    """Write files into a folder, each whole or not at all; other files stay. Raise InputError with the ones that
+    fail."""
     for file in files:
         if file.name.count("/") != 1 or file.name.startswith("."):
             raise InputError(f"'{short(file.name)}' would be no file in {folder}: rename the robot or the table")
@@ -105,7 +103,7 @@ def write(folder: Path, files: tuple[File, ...]) -> None:
 
 
 def read(folder: Path, robot: str | None = None) -> tuple[File, ...]:
-    """Read the files of a folder, of one robot alone if so asked; InputError names unreadable and foreign files."""
+    """Read the files of a folder, optionally of one robot; raise InputError with unreadable and foreign files."""
     files = []
     try:
         for place in sorted(one for one in folder.iterdir() if one.is_dir() and not one.name.startswith(".")):
@@ -127,7 +125,7 @@ def _read(place: Path, path: Path) -> File:
 
 
 def _owner(table: str, schema: Schema) -> str:
-    """Return the column that says whose a row is; empty for rows that are every robot's."""
+    """Return the column with a row's robot; empty for rows that all robots share."""
     return "name" if table == ROBOT else "robot" if "robot" in schema[table] else ""
 
 
@@ -141,7 +139,7 @@ def _text(table: str, rows: Any, schema: Schema) -> str:
 
 
 def _json(value: Any) -> Any:
-    """Return a value as a file has it: JSON that is an object or a list as such, if nothing is lost by it."""
+    """Return a value for a file: a JSON object or list as such, if that is lossless."""
     if isinstance(value, str) and value[:1] in {"{", "["}:
         try:
             parsed = json_strictly(value)
@@ -222,7 +220,7 @@ def _at(file: File, number: int, values: object, schema: Schema) -> str:
 def _with_what_lbr_writes(
     table: str, rows: list[RawRow], tables: Mapping[str, Any], schema: Schema
 ) -> Iterator[RawRow]:
-    """Yield rows with the columns that no file has: as they stand, or as a new row has them."""
+    """Yield rows with the columns that no file has: with their present values, or those of a new row."""
     own = [name for name in schema[table] if (table, name) in WRITTEN_BY_LBR]
     keys = schema.keys_of[table]
     now = {tuple(row[name] for name in keys): row for row in tables.get(table, ())} if own else {}

@@ -1,4 +1,4 @@
-"""The rows as the rest of the program sees them: checked, frozen, free of the database they came from."""
+"""The rows for the rest of the program: checked, frozen, independent of the database."""
 
 from collections.abc import Hashable, Iterator
 from datetime import datetime
@@ -23,7 +23,7 @@ End = Annotated[str, Meta(pattern=r"^[a-z][a-z0-9_]{0,39}\.[a-z][a-z0-9_]{0,39}$
 BY_LBR = Meta(extra={"by_lbr": True})
 """For a column that lbr writes while a robot runs: its changes are not edits."""
 EXECUTIVE = "executive"
-"""The target of verbs and channels that has no row of its own: lbr itself."""
+"""The target of verbs and channels that has no row: lbr itself."""
 BUILT_IN = "is a word that every robot has, and no row changes: drop this row, or choose another word"
 
 
@@ -65,7 +65,7 @@ def _needs_of(row: "CapabilityRow") -> Hashable:
 
 
 def _ring(row: "CapabilityRow", others: Others) -> Iterator[Fault]:
-    """Find what needs itself, if only by way of others."""
+    """Find capabilities that need themselves, also through others."""
     rows = others.index(CapabilityRow, _needs_of)
     known = {one.name: one.needs for one in rows.values()}
     seen: set[str] = set()
@@ -135,12 +135,12 @@ class ChannelRow(Row, frozen=True, kw_only=True):
 
     @property
     def source_end(self) -> tuple[str, str]:
-        """Capability and port it comes from."""
+        """Return the capability and port of its source."""
         return split_end(self.source)
 
     @property
     def target_end(self) -> tuple[str, str]:
-        """Capability and port it goes to."""
+        """Return the capability and port of its target."""
         return split_end(self.target)
 
 
@@ -195,7 +195,7 @@ def _bound_twice(row: "VerbRow", _: Others) -> Iterator[Fault]:
 
 
 def _line(row: "VerbRow") -> Hashable:
-    """Return the lines that a verb takes; empty for a word that is built in."""
+    """Return the form of a verb's lines; empty for a built-in word."""
     pattern = _parsed(row)
     return () if pattern is None or builtin.shadowed(pattern) or pattern.word != row.word else pattern.shape
 
@@ -232,7 +232,7 @@ class VerbRow(Row, frozen=True, kw_only=True):
 
     @property
     def target_end(self) -> tuple[str, str]:
-        """Capability and command it asks; the capability `executive` is built in."""
+        """Return the capability and command that it calls; the capability `executive` is built in."""
         return split_end(self.target)
 
 
@@ -308,11 +308,11 @@ class TokenRow(Row, frozen=True, kw_only=True):
     ) = None
 
     def lets_in(self, door: Literal["bus", "web"]) -> bool:
-        """Return whether it is one for that way in."""
+        """Return whether it is valid for that door."""
         return self.good_for in {"both", door}
 
     def has_expired(self, now: datetime) -> bool:
-        """Return whether its time is over; one whose end cannot be read is over."""
+        """Return whether it has expired; one with an unreadable end has."""
         if self.expires_at is None:
             return False
         try:
@@ -339,7 +339,7 @@ class AuditRow(Row, frozen=True, kw_only=True):
 
 
 class Faulty(Struct, frozen=True):
-    """A row that is left out, as far as it can be read: what stands in its bad `columns` says nothing."""
+    """A row that is left out, as far as it is readable: its bad `columns` have no meaning."""
 
     table: str
     label: str
@@ -348,11 +348,11 @@ class Faulty(Struct, frozen=True):
 
 
 class RobotRows(Struct, frozen=True, kw_only=True):
-    """One robot's rows out of one transaction: the good ones, and what is wrong with the others.
+    """One robot's rows from one transaction: the good ones, and the problems of the others.
 
-    Rows of which any column is bad are left out and named in `problems`; they are in `faulty` for further checks of
-    what is good in them. The rows that kinds read are in `tables`, and checked on request. `revision` counts the
-    changes of rows, `digest` is the hash of all rows that make robots.
+    A row with any bad column is left out and named in `problems`; `faulty` has it for further checks of its good
+    columns. The rows that kinds read are in `tables`, and checked on request. `revision` counts the changes of rows.
+    `digest` is the hash of all rows that make robots.
     """
 
     robot: RobotRow
@@ -373,7 +373,7 @@ class RobotRows(Struct, frozen=True, kw_only=True):
         return self.tables.good(row)
 
     def names(self, table: Literal["capability", "device"]) -> frozenset[str]:
-        """Return the names of a table's rows, those that are left out too."""
+        """Return the names of a table's rows, including those that are left out."""
         rows = self.capabilities if table == "capability" else self.devices
         return frozenset(row.name for row in rows) | {one.row.name for one in self.faulty if one.table == table}
 

@@ -1,9 +1,9 @@
-"""Tables as SQLAlchemy has them, from the classes of their rows; and as SQL, for people to read.
+"""Tables for SQLAlchemy, from the classes of their rows; and as SQL, for people.
 
 class Joint(Row): … ── metadata ──► Table ── text, revision_triggers ──► robot.db.sql, steps of an upgrade
                                           └─ differences, by Alembic ──► what a database has otherwise
 
-Rows are read without any of this: SQLAlchemy takes long to load.
+Reading rows needs none of this module: SQLAlchemy takes long to load.
 """
 
 import sqlite3
@@ -72,7 +72,7 @@ def script(row: type[Row]) -> str:
 
 
 def rebuilt(table: Table, names: Sequence[str]) -> str:
-    """Return the SQL that builds a table anew with its values in these columns. Its triggers go."""
+    """Return the SQL that rebuilds a table with its values in these columns, without its triggers."""
     known = MetaData()
     replacement, former = (
         table.to_metadata(known, name=f"{table.name}_new"),
@@ -144,7 +144,7 @@ def _type(column: Column) -> type[Any]:
 
 
 def _default(column: Column) -> str | None:
-    """Return a column's default as SQL. None if it has to be given, or is NULL."""
+    """Return a column's default as SQL; None if it is NULL, or if the column has no default."""
     if "default" in column.extra:
         return column.extra["default"]  # type: ignore[no-any-return]
     if column.field.required or "counted" in column.extra:
@@ -154,7 +154,7 @@ def _default(column: Column) -> str | None:
 
 
 def _shape(column: Column) -> tuple[Shape, dict[str, str]] | None:
-    """Return the shape and bounds of a column's values. None if any value of its type will do."""
+    """Return the shape and bounds of a column's values; None if any value of its type is valid."""
     info = column.info
     if "shape" in column.extra:
         return column.extra["shape"], {}

@@ -1,4 +1,4 @@
-"""The rows of all robots, as one transaction reads them, and what an edit would make of them: judged outside of it."""
+"""The rows of all robots from one transaction, and the result of an edit of them: judged after the transaction."""
 
 from typing import NamedTuple, Self
 
@@ -13,7 +13,7 @@ from lbr.database.tables import Schema, read_tables
 
 
 class Seen(NamedTuple):
-    """Tables and tokens of a revision, with the digest of the rows, and the problem if others ran as this revision."""
+    """Tables and tokens of a revision, with the digest of the rows, and a problem if others ran as this revision."""
 
     tables: RawTables
     schema: Schema
@@ -31,7 +31,7 @@ class Seen(NamedTuple):
         return cls(tables, schema, tokens.tokens(connection), revision, digest, problems)
 
     def rows(self, robot: str, tables: RawTables | None = None) -> RobotRows:
-        """Return a robot's rows, checked; of other tables, if those are given."""
+        """Return a robot's rows, checked; from other `tables`, if they are given."""
         raw = self.tables if tables is None else tables
         checked = check(raw, robot, revision=self.revision, problems=self.problems, columns=self.schema)
         return replace(checked, tokens=self.tokens, digest=self.digest)

@@ -1,4 +1,4 @@
-"""The rows that come with lbr and with packages, and what of a robot's is not in a database yet."""
+"""The rows of lbr and of packages, and those of a robot that a database lacks."""
 
 import sqlite3
 from collections import Counter
@@ -21,7 +21,7 @@ from lbr.robot import registry
 
 
 def shipped(sql: Path | None = None) -> tuple[RawTables, Schema]:
-    """Return the rows of a new database, or of one that `sql` builds alone, and what their columns are."""
+    """Return the rows of a new database, or of one that only `sql` builds, and their columns."""
     with closing(sqlite3.connect(":memory:", factory=Connection)) as connection:
         connection.executescript((sql or robot_db_sql()).read_text(encoding="utf-8"))
         rows, schema = read_tables(connection)
@@ -32,10 +32,8 @@ def shipped(sql: Path | None = None) -> tuple[RawTables, Schema]:
 
 
 def differences(database: Database, sql: Path | None = None) -> tuple[Difference, ...]:
-    """Compare a database's rows with those of a new one, or of `sql` alone, table by table.
-
-    Of a robot that is not there at all, only that is told.
-    """
+    """Compare a database's rows with those of a new one, or of `sql` alone, table by table; a missing robot is one
+    difference."""
     (before, _), (present, schema) = shipped(sql), database.tables()
     robots = {row["name"] for row in present[ROBOT]}
     before = {
@@ -46,9 +44,9 @@ def differences(database: Database, sql: Path | None = None) -> tuple[Difference
 
 
 def add(database: Database, robot: str, judge: Judge = lambda _rows: ()) -> dict[str, int]:
-    """Add a robot's rows whose keys are not there; return how many of each table. Others stay as they are.
+    """Add a robot's rows with missing keys; return their number by table. Others stay as they are.
 
-    InputError says which robots there are, RowError what `judge` or the tables have against the rows of a package.
+    InputError lists the robots; RowError has the objections of `judge` or the tables to the rows of a package.
     """
     installed = registry.find(robot)
     if installed is None:
@@ -76,10 +74,10 @@ def _missing(key: tuple[str, ...], rows: Sequence[RawRow], here: Sequence[RawRow
 
 
 def _key(key: tuple[str, ...], row: RawRow) -> tuple[object, ...]:
-    """Return what makes a row the same; the steps of one motion or dance belong together, and are not mixed."""
+    """Return the identity of a row; the steps of one motion or dance belong together, and are not mixed."""
     return tuple(row[column] for column in key if column != "step")
 
 
 def _is_of(table: str, row: RawRow, robot: str) -> bool:
-    """Return whether a row is of a robot; what no robot owns, such as phrases, is in every new database already."""
+    """Return whether a row belongs to a robot; shared rows, such as phrases, are in every new database already."""
     return row["name"] == robot if table == ROBOT else row.get("robot") == robot

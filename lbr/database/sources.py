@@ -1,6 +1,6 @@
-"""Rows to change to, out of a file or folder: SQL that edits rows, a copy of a database, or what was exported.
+"""The wanted rows from a file or folder: SQL that edits rows, a copy of a database, or an export.
 
-SQL runs on a copy in memory, and may change rows that make robots, and nothing else.
+SQL runs on a copy in memory, and may only change rows that make robots.
 """
 
 import sqlite3
@@ -23,7 +23,7 @@ MAGIC = b"SQLite format 3\0"
 COMPUTED_S = 5.0
 """Of the processor, for one file of SQL."""
 STATEMENT_S = 0.5
-"""Of it, for one statement: the longest that edits rows of a robot takes a hundredth of that."""
+"""Of it, for one statement: the longest edit of a robot's rows takes a hundredth of that."""
 LOOK_EVERY = 10_000
 MOST_BYTES = 32_000_000
 _CHANGING = {sqlite3.SQLITE_INSERT, sqlite3.SQLITE_UPDATE, sqlite3.SQLITE_DELETE}
@@ -31,16 +31,16 @@ _SCRIPT = "it may insert, update and delete rows that make robots, and do nothin
 
 
 def wanted(source: Path, database: Path, robot: str | None = None) -> Wanted:
-    """Return what has the rows of a database be as a source has them; of one robot alone, if so asked.
+    """Return a function for the changes of a database to the rows of a source, or only of one robot.
 
-    InputError if there is no such source, RowError naming file, line, row and column if it cannot be taken.
+    InputError: there is no such source. RowError names file, line, row and column of a faulty one.
     """
     if source.is_dir():
         files = row_files.read(source, robot)
         return lambda tables, schema: changes.between(tables, row_files.applied(files, tables, schema), schema, robot)
     try:
         about = source.stat()
-        if not stat.S_ISREG(about.st_mode):  # a pipe without a writer would be waited for
+        if not stat.S_ISREG(about.st_mode):  # reading a pipe would block
             raise InputError(f"{source} is no file that could be read to its end: name a regular file")
         size = about.st_size
         with source.open("rb") as opened:
@@ -73,7 +73,7 @@ def _of_copy(source: Path) -> tuple[RawTables, Schema]:
 
 
 def _fitting(source: Path, tables: RawTables, theirs: Schema, ours: Schema) -> RawTables:
-    """Return another database's rows; InputError if its tables are not those that are here."""
+    """Return another database's rows; raise InputError if it has other tables."""
     for table in ours:
         if table not in theirs or set(theirs[table]) != set(ours[table]):
             raise InputError(f"{source} has not the table '{table}' as this database has it: add it there first")
@@ -83,7 +83,7 @@ def _fitting(source: Path, tables: RawTables, theirs: Schema, ours: Schema) -> R
 
 
 def _run(source: Path, script: str, database: Path) -> RawTables:
-    """Return the tables as SQL leaves them on a copy in memory; RowError says in which line it may not."""
+    """Return the tables after SQL on a copy in memory; raise RowError with the line of a forbidden statement."""
     with closing(sqlite3.connect(":memory:", factory=Connection, isolation_level=None)) as copy:
         with sentences(database), closing(connect(database)) as opened:
             opened.backup(copy)

@@ -1,4 +1,4 @@
-"""The database file: create, open with every check, and what the executive reads and writes while it runs."""
+"""The database file: create it, open it with every check, and the executive's reads and writes."""
 
 import math
 import os
@@ -50,10 +50,10 @@ from lbr.resources import robot_db_sql
 
 PATIENCE_S = 0.1
 COMPUTED_S = 0.5
-"""Of the processor, for one transaction of a caller that must not be held up: fifty times what the shipped rows take.
-"""
+"""Of the processor, for one transaction of a caller that must not be delayed: fifty times what the shipped rows
+take."""
 LOOK_EVERY = 10_000
-"""Steps of SQLite's machine, some more than the shipped rows take."""
+"""Steps of SQLite's virtual machine, some more than the shipped rows take."""
 
 
 def account() -> str:
@@ -75,10 +75,10 @@ def _text(path: Path) -> str:
 
 
 def create(path: Path, sql: Path | None = None, judge: Judge = lambda _rows: ()) -> tuple[str, ...]:
-    """Build a new database from `sql` alone, or from robot.db.sql and the robots that packages bring.
+    """Build a new database from `sql` alone, or from robot.db.sql and the robots of packages.
 
-    Return why robots are left out: their packages' rows are against the tables, or against `judge`. InputError if the
-    file is there already; RowError says in which line SQLite refuses `sql`.
+    Return why robots are left out: the tables or `judge` refuse their packages' rows. InputError if the file exists;
+    RowError has the line at which SQLite refuses `sql`.
     """
     if path.exists():
         raise InputError(f"database {path} exists already: name another, or move it away first")
@@ -110,8 +110,8 @@ def create(path: Path, sql: Path | None = None, judge: Judge = lambda _rows: ())
 
 
 def _take(connection: Connection, brought: Brought) -> None:
-    """Write what packages bring into a new database, whose revisions begin afterwards; the first to say a phrase has
-    it."""
+    """Write the rows of packages into a new database, whose revisions begin afterwards; the first phrase of a name
+    counts."""
     with connection:
         for rows in brought.robots:
             for table, of_table in rows.items():
@@ -140,18 +140,18 @@ class Database:
         self._computed_s = math.inf
 
     def bound(self, computed_s: float = COMPUTED_S) -> None:
-        """Give up, from now on, what takes the calling thread longer than that to compute; RowError says so.
+        """Interrupt, from now on, transactions that compute for longer in the calling thread, with a RowError.
 
-        For a caller that must not be held up by the work of rows, views and triggers in SQLite.
+        For a caller that must not be delayed by rows, views and triggers in SQLite.
         """
         self._computed_s = computed_s
         self._connection.set_progress_handler(lambda: time.thread_time() > self._until_cpu_s, LOOK_EVERY)
 
     @classmethod
     def open(cls, path: Path, *, wall_ns: Callable[[], int] = time.time_ns, program: str = "lbr") -> Self:
-        """Check, back up and upgrade if it is older, and open; raise RowError or InputError saying what to do.
+        """Check a database, back up and upgrade an older one, and open it; raise RowError or InputError with the cure.
 
-        `program` is what changes of rows are written down with.
+        `program` is the author in records of changed rows.
         """
         check_file(path)
         with sentences(path):
@@ -170,7 +170,7 @@ class Database:
             return int(pragma(self._connection, "data_version"))
 
     def robots(self, only: str | None = None) -> tuple[str, ...]:
-        """Return the names of all robots in the file, or `only` one of them; InputError if it is not there."""
+        """Return the names of all robots in the file, or `only` one of them; raise InputError if it is missing."""
         with self.reading() as connection:
             names = tuple(name for (name,) in connection.execute("SELECT name FROM robot ORDER BY name"))
         if only is None:
@@ -191,20 +191,20 @@ class Database:
         return {name: seen.rows(name) for name in robots}
 
     def tables(self) -> tuple[RawTables, Schema]:
-        """Return the rows of all robots as they stand, unchecked, and what their columns are."""
+        """Return the raw rows of all robots, unchecked, and their columns."""
         with self.reading() as connection:
             return read_tables(connection)
 
     def foreign(self) -> tuple[str, ...]:
-        """Return a sentence for each table, trigger, index and view that is not of lbr's schema."""
+        """Return one sentence for each table, trigger, index and view that is not of lbr's schema."""
         with self.reading() as connection:
             return tuple(foreign.foreign(connection))
 
     def append_events(self, events: Iterable[Event], trail: Sequence[AuditRow] = ()) -> None:
         """Write events, and entries of the audit trail, in one transaction; a `wall_ns` of 0 becomes now.
 
-        The oldest go when there are many. With entries it is on the disk on return. Waits for other writers a tenth
-        of a second only, because all this can be written later.
+        The oldest are deleted when there are many. With entries, it is on the disk on return. It waits for other
+        writers for only a tenth of a second, as all this can be written later.
         """
         with self.writing(durable=bool(trail), patience_s=PATIENCE_S) as connection:
             history.append_events(connection, events, self.wall_ns())
@@ -216,19 +216,19 @@ class Database:
             return audit.newest(connection, limit)
 
     def audit_fault(self) -> str:
-        """Return what was changed in, or taken out of, the audit trail; nothing if it is whole."""
+        """Return the change in, or the gap of, the audit trail; empty if it is intact."""
         with self.reading() as connection:
             return audit.fault(connection)
 
     def adopt(self, rows: RobotRows) -> None:
-        """Write down that these rows run, so that a later change without an edit is noticed."""
+        """Record that these rows run, so that a later change without an edit is noticed."""
         with self.writing(patience_s=PATIENCE_S) as connection:
             adopted.remember(connection, rows.revision, rows.digest, self.wall_ns())
 
     def events(
         self, limit: int = 100, *, subject: str = "", levels: Sequence[str] = history.LEVELS
     ) -> tuple[Event, ...]:
-        """Return the newest events, oldest first: of one subject, or of some levels, if so asked."""
+        """Return the newest events, oldest first; optionally of one subject, or of some levels."""
         with self.reading() as connection:
             return history.newest_events(connection, limit, subject=subject, levels=levels)
 
@@ -243,36 +243,35 @@ class Database:
             return history.revisions(connection, since)
 
     def touched(self, since: int) -> tuple[RevisionRow, ...]:
-        """Return which rows were changed after revision `since`, without what stood in them."""
+        """Return the rows that were changed after revision `since`, without their content."""
         with self.reading() as connection:
             return history.touched(connection, since)
 
     def record_start(self, robot: str) -> None:
-        """Write down that the robot started now."""
+        """Record that the robot has started."""
         self._update_robot(robot, durable=False, last_start=self._now())
 
     def record_shutdown(self, robot: str) -> None:
-        """Write down that the robot shut down in order now."""
+        """Record that the robot has shut down in order."""
         self._update_robot(robot, durable=False, last_shutdown=self._now())
 
     def set_estop(self, robot: str, *, engaged: bool, reason: str) -> None:
-        """Latch or release the emergency stop; on return it is on the disk. Waits 0.1 s at most for other writers."""
+        """Latch or release the emergency stop, on the disk on return; wait at most 0.1 s for other writers."""
         told = history.storable(reason)
         self._update_robot(robot, durable=True, patience_s=PATIENCE_S, estop_engaged=int(engaged), estop_reason=told)
 
     def revision(self) -> int:
-        """Return the number of the last change of rows; 0 for none."""
+        """Return the number of the last change of rows; 0 without one."""
         with self.reading() as connection:
             return adopted.revision(connection)
 
     def changes(self, since: int = 0) -> tuple[past.HistoryEntry, ...]:
-        """Return every change of rows after revision `since`, oldest first: who made it, by what, and row by row."""
+        """Return every change of rows after revision `since`, oldest first, with author, program and rows."""
         with self.reading() as connection:
             return past.entries(history.revisions(connection, since), history.makers(connection))
 
     def tables_at(self, revision: int) -> RawTables:
-        """Return the rows of all robots as they were at a revision, 0 being a new database; InputError if that cannot
-        be told."""
+        """Return the rows of all robots at a revision (0: a new database); raise InputError if that is unknown."""
         with self.reading() as connection:
             newest = adopted.revision(connection)
             if not 0 <= revision <= newest:
@@ -295,7 +294,7 @@ class Database:
             return *past.around(tables, schema, newer, revision), schema
 
     def tokens(self) -> tuple[TokenRow, ...]:
-        """Return every token's row, revoked and expired ones too."""
+        """Return every token's row, including revoked and expired ones."""
         with self.reading() as connection:
             return tokens.tokens(connection)
 
@@ -309,7 +308,7 @@ class Database:
         good_for: GoodFor = "both",
         paired_from: str | None = None,
     ) -> None:
-        """Write a token's hash down, durably; InputError if the name is taken by a token that is not revoked."""
+        """Store a token's hash, durably; raise InputError if a token of this name is not revoked."""
         row = TokenRow(
             name=name,
             role=role,
@@ -323,17 +322,17 @@ class Database:
             tokens.add(connection, row)
 
     def revoke_token(self, name: str) -> None:
-        """Take a token's rights away, durably; InputError if no valid token has this name."""
+        """Revoke a token, durably; raise InputError if no valid token has this name."""
         with self.writing(durable=True) as connection:
             tokens.revoke(connection, name, self._now())
 
     def outdo(self, revision: int, text: str = "") -> None:
-        """Note an edit that is newer than `revision`: every row may be another one now."""
+        """Record an edit that is newer than `revision`: every row may differ now."""
         with self.writing(durable=True) as connection, self.noted(connection, text=text):
             history.outdo(connection, revision)
 
     def close(self) -> None:
-        """Close the file; cheap to repeat."""
+        """Close the file; may be repeated."""
         with self._lock:
             self._connection.close()
 
@@ -347,8 +346,7 @@ class Database:
 
     @contextmanager
     def noted(self, connection: Connection, by: str = "", text: str = "") -> Iterator[None]:
-        """Write down, beside the revisions that are made within, who makes them; the account that this runs as, unless
-        told."""
+        """Record the author of the revisions made within; by default, this process's account."""
         before = adopted.revision(connection)
         yield
         if (after := adopted.revision(connection)) > before:
@@ -370,7 +368,7 @@ class Database:
 
     def _prepare(self) -> None:
         connection = self._connection
-        if not self.path.stat().st_size:  # as sqlite3 leaves it that was told to change what was not there
+        if not self.path.stat().st_size:  # sqlite3 leaves an empty file after a change of a missing one
             raise RowError((f"database {self.path} is empty: remove it, and `lbr db init` makes a robot's",))
         if fault := identity.fault(connection):
             raise RowError((f"database {self.path} {fault}: `lbr db restore` puts the last good copy in its place",))
@@ -391,7 +389,7 @@ class Database:
 
     @contextmanager
     def writing(self, *, durable: bool = False, patience_s: float = BUSY_TIMEOUT_S) -> Iterator[Connection]:
-        """Write in one transaction. Durable waits for the disk after it, so that other writers need not wait as
+        """Write in one transaction. `durable` waits for the disk after it, so that other writers need not wait as
         well."""
         with self._lock, sentences(self.path):
             self._begin()

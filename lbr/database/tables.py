@@ -1,4 +1,4 @@
-"""Reads the tables that make a robot as they stand, whatever they are."""
+"""Reads the raw tables that make a robot, whatever their content."""
 
 import json
 from typing import Any
@@ -10,7 +10,7 @@ from lbr.database.reading import RawRow, RawTables
 from lbr.database.rows import CORE
 
 WRITTEN_BY_LBR = {(row.TABLE, name) for row in CORE for name, column in columns(row).items() if column.by_lbr}
-"""Columns that lbr writes while a robot runs; their changes are no edits."""
+"""Columns that lbr writes while a robot runs; their changes do not count as edits."""
 
 _COLUMNS = """
 SELECT t.name, c.name, c.pk, c."notnull", c.dflt_value FROM sqlite_schema AS t, pragma_table_info(t.name) AS c
@@ -25,10 +25,10 @@ _CORE = json.dumps([row.TABLE for row in CORE])
 
 
 class Schema(dict[str, tuple[str, ...]]):
-    """The columns of each table that makes robots: what every robot has, and tables whose changes are kept as
+    """The columns of each table that makes robots: every robot's tables, and tables whose changes are kept as
     revisions.
 
-    `keys_of` a table tell its rows apart.
+    `keys_of` a table identify its rows.
     """
 
     def __init__(self, connection: Connection) -> None:
@@ -47,7 +47,7 @@ class Schema(dict[str, tuple[str, ...]]):
             self.keys_of[table] = tuple(name for _, name in sorted(of_table)) or self[table]
 
     def default(self, table: str, column: str) -> Any:
-        """Return what a column holds that a new row leaves out; LookupError if it must not be left out."""
+        """Return the value of a column in a new row that leaves it out; raise LookupError if it is required."""
         text = self._defaults[table, column]
         if text is None or text.upper() == "NULL":
             return None
@@ -60,7 +60,7 @@ class Schema(dict[str, tuple[str, ...]]):
 
 
 def read_tables(connection: Connection) -> tuple[RawTables, Schema]:
-    """Return every table's rows in the order of their keys, and what their columns are."""
+    """Return every table's rows in the order of their keys, and their columns."""
     schema = Schema(connection)
     with short_values(connection):
         return {table: _rows(connection, table, schema) for table in schema}, schema

@@ -1,4 +1,4 @@
-"""Tokens and their roles: the table `user_token`. The tokens themselves are never here, only their hashes."""
+"""Tokens and their roles: the table `user_token`, which has hashes, never the tokens themselves."""
 
 import msgspec
 
@@ -8,17 +8,17 @@ from lbr.errors import InputError
 
 
 def tokens(connection: Connection) -> tuple[TokenRow, ...]:
-    """Return every token, revoked and expired ones too, by name."""
+    """Return every token by name, including revoked and expired ones."""
     return tuple(TokenRow(**row) for row in selected(connection, "user_token", "1 ORDER BY name"))
 
 
 def revoked(connection: Connection) -> set[str]:
-    """Return the names of those that were revoked; of a database of any schema, because no newer column is read."""
+    """Return the names of revoked tokens; for a database of any schema, as no newer column is read."""
     return {name for (name,) in connection.execute("SELECT name FROM user_token WHERE revoked_at IS NOT NULL")}
 
 
 def add(connection: Connection, row: TokenRow) -> None:
-    """Write a token down; one of this name that was revoked makes room, a valid one is an InputError."""
+    """Store a token; a revoked one of this name is replaced, a valid one raises InputError."""
     connection.execute("DELETE FROM user_token WHERE name = ? AND revoked_at IS NOT NULL", (row.name,))
     if connection.scalar("SELECT name FROM user_token WHERE name = ?", (row.name,)) is not None:
         raise InputError(f"there is a token '{row.name}' already: name another, or revoke it first")
@@ -26,7 +26,7 @@ def add(connection: Connection, row: TokenRow) -> None:
 
 
 def revoke(connection: Connection, name: str, now: str) -> None:
-    """Take a token's rights away; raise InputError if no valid token has this name."""
+    """Revoke a token; raise InputError if no valid token has this name."""
     valid = "UPDATE user_token SET revoked_at = ? WHERE name = ? AND revoked_at IS NULL"
     if connection.execute(valid, (now, name)).rowcount != 1:
         raise InputError(f"there is no token '{name}' that could be revoked", "unknown_name")

@@ -1,4 +1,4 @@
-"""Changes of rows on trial: begun in the transaction of the change, kept, or taken back row by row."""
+"""Changes of rows on trial: begun in the transaction of the change, then kept, or undone row by row."""
 
 from typing import Annotated, Literal
 
@@ -13,7 +13,7 @@ from lbr.errors import InputError, LbrError
 from lbr.messages.rows import Row
 
 KEPT = 20
-"""Trials that are over, to tell what became of one."""
+"""The number of ended trials that are kept, so that their results can be shown."""
 _OLDER_GO = "DELETE FROM trial WHERE revision NOT IN (SELECT revision FROM trial ORDER BY revision DESC LIMIT ?)"
 
 
@@ -39,7 +39,7 @@ def begin(connection: Connection, trial: Trial) -> None:
 
 
 def refuse_running(connection: Connection) -> None:
-    """Raise InputError while rows are on trial: what is taken back must be what was tried."""
+    """Raise InputError while rows are on trial: only the rows on trial may be undone."""
     trial = _newest(connection)
     if trial is not None and trial.state == "running":
         raise InputError(
@@ -56,10 +56,8 @@ def newest(database: Database) -> Trial | None:
 
 
 def judge(database: Database, trial: Trial, *, good: bool, text: str) -> Trial:
-    """End a trial that runs: keep its rows, or roll them back. Return the trial as it ended.
-
-    Rows that others have changed since stay. If rows cannot be rolled back, the trial's text has the reason.
-    """
+    """End a running trial: keep its rows, or roll them back. Return the ended trial. Rows that others have changed
+    since stay. If rows cannot be rolled back, the trial's text has the reason."""
     with database.writing(durable=True) as connection:
         now = _newest(connection)
         if now is None or (now.revision, now.state) != (trial.revision, "running"):
@@ -84,14 +82,14 @@ def _newest(connection: Connection) -> Trial | None:
 
 
 def _end(connection: Connection, trial: Trial, state: str, text: str) -> Trial:
-    """Write down what became of a trial."""
+    """Store the result of a trial."""
     ended = msgspec.structs.replace(trial, state=state, text=history.storable(text))
     connection.execute("UPDATE trial SET state = ?, text = ? WHERE revision = ?", (state, ended.text, trial.revision))
     return ended
 
 
 def _take_back(connection: Connection, trial: Trial) -> None:
-    """Write the rows of a trial as they were before, but for those that others have changed since."""
+    """Restore the rows before a trial, except those that others have changed since."""
     now, schema = read_tables(connection)
     with short_values(connection):
         since = history.revisions(connection, trial.back)

@@ -1,4 +1,4 @@
-"""The triggers that keep each change of a table's rows as a revision: one shape, written from the columns. Pure."""
+"""The triggers that keep each change of a table's rows as a revision: one form, generated from the columns. Pure."""
 
 from collections.abc import Iterable, Sequence
 from textwrap import wrap
@@ -16,7 +16,7 @@ END;
 
 
 def revision_triggers(table: str, columns: Sequence[str], key: Sequence[str]) -> str:
-    """Return the SQL of the three triggers of a table: `columns` are kept, and `key` tells its rows apart."""
+    """Return the SQL of the three triggers of a table: `columns` are kept, `key` identifies its rows."""
     before, after = (_whole(row, columns) for row in ("OLD", "NEW"))
     changed = f"WHEN {_list('OLD', columns)}\n     IS NOT {_list('NEW', columns)}\n"
     return "\n".join(
@@ -47,6 +47,6 @@ def _list(row: str, columns: Iterable[str]) -> str:
 
 
 def _wrapped(text: str, indent: int) -> str:
-    """Return a text on lines of a width, the further ones indented."""
+    """Return a text wrapped to a width, with further lines indented."""
     lines = wrap(text, WIDTH - indent - 8, break_long_words=False, break_on_hyphens=False)
     return f"\n{' ' * indent}".join(lines).replace(_JOINT, " ")
