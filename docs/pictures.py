@@ -1,7 +1,7 @@
 """Takes the pictures of the page that README and docs show, of the three robots in simulation: python docs/pictures.py [ROBOT ...].
 
 Run by hand after the page has changed, with the extras `sim` and `dev` installed and Chromium on the machine. Each is small: WebP,
-at most 150 kB; a short film at most 700 kB. `--all FOLDER` takes every view instead, on a phone and at a desk, dark and light, to
+at most 150 kB; a short film at most 700 kB. NAME.webp is light and NAME_dark.webp dark: the site shows either. `--all FOLDER` takes every view instead, on a phone and at a desk, dark and light, to
 look at before the page is changed further.
 """
 
@@ -27,6 +27,7 @@ PHONE, DESK = {"width": 390, "height": 844}, {"width": 1280, "height": 800}
 MOST_BYTES, MOST_FILM_BYTES = 150_000, 700_000
 SLOWLY_MS = 120_000
 FRAME_MS, LAST_MS = 70, 600
+THEME_MS = 1500
 BODY_MS = 8000
 """A body of thirty links drawn without a graphics card needs some seconds until it stands still."""
 
@@ -56,14 +57,17 @@ def look(page: Page, view: str, settle_ms: int = 4000) -> None:
 
 
 def keep(page: Page, name: str) -> None:
-    """Write what is shown as a small file, once the page hears the robot: drawing a body may hold it up."""
-    page.wait_for_function("!document.body.innerText.includes('The link to the robot is lost')")
-    picture, path = Image.open(io.BytesIO(page.screenshot())).convert("RGB"), HERE / f"{name}.webp"
-    for quality in (88, 75, 60):
-        picture.save(path, quality=quality, method=6)
-        if path.stat().st_size <= MOST_BYTES:
-            break
-    print(f"{path.name} {path.stat().st_size // 1024} kB")
+    """Write the view as two small files, light and dark, once the page hears the robot: drawing a body may hold it up."""
+    for theme, suffix in (("light", ""), ("dark", "_dark")):
+        page.emulate_media(color_scheme=theme)  # type: ignore[arg-type]
+        page.wait_for_timeout(THEME_MS)
+        page.wait_for_function("!document.body.innerText.includes('The link to the robot is lost')")
+        picture, path = Image.open(io.BytesIO(page.screenshot())).convert("RGB"), HERE / f"{name}{suffix}.webp"
+        for quality in (88, 75, 60):
+            picture.save(path, quality=quality, method=6)
+            if path.stat().st_size <= MOST_BYTES:
+                break
+        print(f"{path.name} {path.stat().st_size // 1024} kB")
 
 
 def film(

@@ -21,6 +21,7 @@ PARTS = sorted(
 )
 """The page of each part of lbr that has one, below the page of the architecture."""
 
+_PICTURE = re.compile(r"(!\[[^\]]*\]\()(\S+)\.webp\)")
 _project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 project = _project["name"]
 version = release = _project["version"]
@@ -32,7 +33,7 @@ include_patterns = [f"{page}.md" for pages in PAGES.values() for page in pages]
 include_patterns += ["README.md", "docs/decisions/0*.md", *(f"{part}.md" for part in PARTS)]
 extensions = ["myst_parser"]
 myst_heading_anchors = 4
-myst_enable_extensions = ["attrs_block"]
+myst_enable_extensions = ["attrs_block", "attrs_inline"]
 suppress_warnings = [
     "myst.header",  # a page that is read in a repository, too, may begin where it likes
 ]
@@ -58,7 +59,11 @@ def _listed() -> str:
 
 
 def _read(_app: Sphinx, name: str, source: list[str]) -> None:
-    """Add what stands beside the pages to the front page, the decisions to their list, and the parts to the architecture."""
+    """Add what stands beside the pages to the front page, the decisions to their list, and the parts to the architecture.
+
+    A picture that has a dark one beside it becomes both: the theme shows either.
+    """
+    source[0] = _PICTURE.sub(lambda found: _by_theme(ROOT / name, *found.groups()), source[0])
     if name == root_doc:
         source[0] += _listed()
     elif name == "docs/decisions/README":
@@ -67,6 +72,11 @@ def _read(_app: Sphinx, name: str, source: list[str]) -> None:
     elif name == "docs/architecture":
         parts = "\n".join(f"{part.split('/', 1)[1].removesuffix('/README')} </{part}>" for part in PARTS)
         source[0] += f"\n\n```{{toctree}}\n:hidden:\n\n{parts}\n```\n"
+
+
+def _by_theme(page: Path, begin: str, picture: str) -> str:
+    light, dark = f"{begin}{picture}.webp)", f"{begin}{picture}_dark.webp)"
+    return f"{light}{{.only-light}}{dark}{{.only-dark}}" if (page.parent / f"{picture}_dark.webp").is_file() else light
 
 
 def setup(app: Sphinx) -> None:
