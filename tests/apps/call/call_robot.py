@@ -14,10 +14,10 @@ from starlette.routing import Route
 from lbr.apps.call.capability import Call
 from lbr.apps.call.kind import KIND, CallSettings
 from lbr.apps.call.messages import CallState, CallWord, KeepCommand, RingCommand
-from lbr.apps.web.page.files import INDEX, POLICY, built
+from lbr.apps.web.page.files import INDEX, POLICY
 from lbr.messages.camera import CameraState, JpegFrame
 from lbr.testing.context import FakeCall, FakeContext
-from tests.apps.web.page_robot import CAPABILITIES, OPERATE, PageRobot, capability, commands, outputs
+from tests.apps.web.page_robot import CAPABILITIES, OPERATE, PageRobot, capability, commands, outputs, page_files
 
 FPS = 15
 CALL = capability("call", "call", "takes calls", outputs(state="CallState"), commands(answer="admin", decline=OPERATE, end=OPERATE))  # fmt: skip
@@ -130,7 +130,7 @@ class CallRobot(PageRobot):
         return _told(self.ask(request.path_params["word"], CallWord()), 409)
 
     async def _display(self, _request: Request) -> Response:
-        found = next(one for one in built() if one.name == INDEX)
+        found = page_files()[INDEX]
         return Response(found.content, media_type=found.media, headers={"Content-Security-Policy": POLICY})
 
 

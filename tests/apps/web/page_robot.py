@@ -11,6 +11,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from typing import Any
 
 import uvicorn
@@ -21,7 +22,7 @@ from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from lbr.apps.web.page.files import INDEX, POLICY, built
+from lbr.apps.web.page.files import INDEX, POLICY, File, built
 
 SILENT_S = 0.25
 ROOM = (-1.6, 3.4, -1.7, 2.1)
@@ -110,6 +111,12 @@ class Base:
             if abs(step) > 1e-6 and (wall - place) / step > 0:
                 reach.append((wall - place) / step)
         return min(reach)
+
+
+@cache
+def page_files() -> dict[str, File]:
+    """Return the page's files by name, packed once for all robots."""
+    return {one.name: one for one in built()}
 
 
 class PageRobot:
@@ -372,7 +379,7 @@ class PageRobot:
         return StreamingResponse(parts(), media_type="multipart/x-mixed-replace; boundary=FRAME")
 
     async def _file(self, request: Request) -> Response:
-        found = {one.name: one for one in built()}.get(request.path_params["path"] or INDEX)
+        found = page_files().get(request.path_params["path"] or INDEX)
         if found is None:
             return JSONResponse({"message": "there is no such file", "code": "unknown_name"}, 404)
         content = found.content + b" " * (found.name in self.altered)
