@@ -32,7 +32,8 @@ pytestmark = pytest.mark.timeout(30)
 TTL_S, VALID_S, TICK_S = 0.3, 0.1, 0.02
 """A drive's lease; how old a setpoint may be, and how often the motors are told."""
 STAND, CUT = b"!M 0 0\r", b"!EX\r"
-WHEELED = ("world", "motors", "ranges", "imu", "drive", "attitude", "odometry", "battery", "behaviour", "teleop")
+BASE = ("world", "motors", "ranges", "drive")
+WHEELED = (*BASE, "imu", "attitude", "odometry", "battery", "behaviour", "teleop")
 ELBOW = "left_elbow"
 WAYS = (("world", "pose"), ("odometry", "state"), ("attitude", "state"))
 DEVICES = frozenset({"roboteq", "ultrasonic_ring", "mpu9150", "dynamixel", "uxa90"})
@@ -121,6 +122,13 @@ class Driven(WholeRobot):
 
 @pytest.fixture
 def robot(monkeypatch, wheeled, home):
+    """Its base alone, for what its other capabilities have no part in."""
+    with closing(Driven(monkeypatch, {name: wheeled[name] for name in BASE}, home)) as robot:
+        yield robot
+
+
+@pytest.fixture
+def whole(monkeypatch, wheeled, home):
     with closing(Driven(monkeypatch, wheeled, home)) as robot:
         yield robot
 
@@ -184,15 +192,15 @@ def test_an_emergency_stop_cuts_the_power_in_the_next_round_and_is_acknowledged(
     assert robot.stands()
 
 
-def test_a_robot_that_was_reset_stands_until_somebody_drives_it_anew(robot):
-    lease = robot.driving()
-    robot.stage.press("test")
-    robot.run(0.5)
-    assert robot.reset() == dict.fromkeys(("motors", "drive", "behaviour"), True)
-    assert robot.stands()
-    assert robot.drive(lease).code == "dead_lease"
-    assert robot.stands(0.5)
-    assert robot.driving()
+def test_a_robot_that_was_reset_stands_until_somebody_drives_it_anew(whole):
+    lease = whole.driving()
+    whole.stage.press("test")
+    whole.run(0.5)
+    assert whole.reset() == dict.fromkeys(("motors", "drive", "behaviour"), True)
+    assert whole.stands()
+    assert whole.drive(lease).code == "dead_lease"
+    assert whole.stands(0.5)
+    assert whole.driving()
 
 
 def test_a_stop_command_stops_the_motors_within_a_tick(robot):
@@ -273,33 +281,33 @@ def test_a_range_board_that_falls_silent_stops_a_drive(robot):
     assert robot.stands()
 
 
-def test_what_it_knows_of_its_way_is_what_it_did_in_its_world(robot):
-    poses, ways, attitudes = (robot.stage.hear(*one) for one in WAYS)
-    robot.run(0.5)
+def test_what_it_knows_of_its_way_is_what_it_did_in_its_world(whole):
+    poses, ways, attitudes = (whole.stage.hear(*one) for one in WAYS)
+    whole.run(0.5)
     turned_deg = attitudes[-1].turned_deg
     for angle_deg in (0.0, 90.0):
         lease = ""
         for _ in range(6):
             command = DriveCommand(power=0.2, angle_deg=angle_deg, ttl_s=TTL_S, lease=lease)
-            lease = robot.ask("drive", "command", command).lease
-            robot.run(0.1)
-        robot.ask("drive", "stop", StopCommand(reason="test"))
-        robot.run(1.0)
+            lease = whole.ask("drive", "command", command).lease
+            whole.run(0.1)
+        whole.ask("drive", "stop", StopCommand(reason="test"))
+        whole.run(1.0)
     pose, way = poses[-1], ways[-1]
     assert (way.x_m, way.y_m, way.yaw_rad) == pytest.approx((pose.x_m, pose.y_m, pose.yaw_rad), abs=0.01)
     assert radians(attitudes[-1].turned_deg - turned_deg) == pytest.approx(-pose.yaw_rad, abs=0.01)
     assert (pose.x_m > 0.05, pose.yaw_rad < -0.5) == (True, True)
 
 
-def test_a_table_drives_and_ends_with_its_process(robot):
-    assert robot.ask("behaviour", "run", RunBehaviour(name="ahead")).accepted
-    robot.run(1.0)
-    assert robot.turned[-1] > robot.stage.now - 2 * TICK_S
-    killed_s = robot.stage.now
-    robot.stage.kill("behaviour")
-    robot.run(1.0)
-    assert robot.turned[-1] - killed_s < 0.6
-    assert robot.stands()
+def test_a_table_drives_and_ends_with_its_process(whole):
+    assert whole.ask("behaviour", "run", RunBehaviour(name="ahead")).accepted
+    whole.run(1.0)
+    assert whole.turned[-1] > whole.stage.now - 2 * TICK_S
+    killed_s = whole.stage.now
+    whole.stage.kill("behaviour")
+    whole.run(1.0)
+    assert whole.turned[-1] - killed_s < 0.6
+    assert whole.stands()
 
 
 class Borrows(Capability[NoSettings]):
@@ -357,23 +365,23 @@ class Pad:
             self.robot.run(TICK_S)
 
 
-def test_a_hand_on_a_gamepad_takes_the_base_once_who_has_it_lets_go_and_its_motion_ends_with_the_hand(robot):
-    pad = Pad(robot)
+def test_a_hand_on_a_gamepad_takes_the_base_once_who_has_it_lets_go_and_its_motion_ends_with_the_hand(whole):
+    pad = Pad(whole)
     pad.hold(0.5)
-    states = robot.stage.hear("drive", "state")
-    robot.driving()
+    states = whole.stage.hear("drive", "state")
+    whole.driving()
     pad.hold(0.1, pressed=("tl",))
     pad.hold(0.1, pressed=("tl",), axes={"left_y": 1.0})
     assert states[-1].holder == "test", "it is held"
     pad.hold(0.5)
     pad.hold(0.1, pressed=("tl",))
     pad.hold(0.5, pressed=("tl",), axes={"left_y": 1.0})
-    assert (states[-1].holder, robot.drive().code) == ("teleop", "held")
-    assert robot.turned[-1] > robot.stage.now - 2 * TICK_S
-    let_go_s = robot.stage.now
+    assert (states[-1].holder, whole.drive().code) == ("teleop", "held")
+    assert whole.turned[-1] > whole.stage.now - 2 * TICK_S
+    let_go_s = whole.stage.now
     pad.hold(0.5)
-    assert robot.turned[-1] - let_go_s <= 0.1
-    assert robot.stands()
+    assert whole.turned[-1] - let_go_s <= 0.1
+    assert whole.stands()
 
 
 class Posed(WholeRobot):
