@@ -1,1 +1,1 @@
-"""Apps: what uses the robot without owning a device or the motion."""
+"""Apps: components that use the robot, without a device or the motion of their own."""

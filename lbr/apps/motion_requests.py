@@ -1,4 +1,4 @@
-"""The requests by which components move a robot: the message and the port of each, and how a line's motion goes on."""
+"""The requests by which components move a robot, with their messages and ports, and adopt a console line's motion."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -37,11 +37,11 @@ _COMMANDS = {
     "play": ("play", "play_halt", "motions"),
     "seek": ("seek", "seek_halt", "beacon"),
 }
-"""By which requests the motion of a command is renewed and halted."""
+"""The requests that renew and halt a command's motion, and the kind of its mover."""
 
 
 class MotionRequests(NamedTuple):
-    """Some of these requests, as a kind declares them."""
+    """Some of these requests, in the form of a kind's declaration."""
 
     requests: dict[str, type[Struct]]
     replies: dict[str, type[Struct]]
@@ -59,7 +59,7 @@ def motion_requests(*names: str) -> MotionRequests:
 
 
 def target_of(ctx: Context[Any], hold: Hold) -> LeaseTarget | None:
-    """Return how the motion that a line began is renewed; None where this capability is not wired to its mover."""
+    """Return the target that renews a console line's motion; None if this capability is not wired to its mover."""
     capability, command = hold.key.split("/")[-2:]
     motion, halt, kind = _COMMANDS.get(command, ("", "", ""))
     if capability not in (ctx.targets(motion) if motion else ()):
@@ -68,7 +68,7 @@ def target_of(ctx: Context[Any], hold: Hold) -> LeaseTarget | None:
 
 
 def adopt(holder: Holder, target: LeaseTarget, hold: Hold) -> None:
-    """Have a holder go on with the motion that a line began."""
+    """Let a holder continue a console line's motion."""
     given = CommandReply(accepted=True, lease=hold.lease, ttl_s=hold.ttl_s, goal=hold.goal)
     payload = {name: value for name, value in hold.payload.items() if name != "lease"}
     holder.begin(target, payload, given=given)

@@ -1,4 +1,4 @@
-"""The common part of programs beside the robot: their door, their name, and their end."""
+"""The common part of programs beside the robot: their connection, their name, and their end."""
 
 import contextlib
 import os
@@ -21,10 +21,10 @@ FAILED, BAD_INPUT = 1, 2
 
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """A robot of this home, and a session on its bus with the rights of its local door: look and operate.
+    """A robot of this home, and a session on its bus with the roles of its local door: view and operate.
 
-    `started_s`, monotonic, is when the program was asked for: what was stopped since then is not to begin. `origin` is
-    whose line that was, and when it was written; None if no robot started the program.
+    `started_s`, monotonic, is when the program was requested: what was stopped since then must not begin. `origin` has
+    the sender and time of that request; None if no robot started the program.
     """
 
     bus: Session
@@ -36,7 +36,7 @@ class Robot:
 
 @contextmanager
 def connected(program: str) -> Iterator[Robot]:
-    """Come in to the robot that called this program, or else to the only one that runs here."""
+    """Connect to the robot that started this program, else to the only one that runs here."""
     wanted = os.environ.get("LBR_ROBOT")
     runs = [run for run in home.running() if wanted in {None, "", run.robot}]
     if not runs:
@@ -52,7 +52,7 @@ def connected(program: str) -> Iterator[Robot]:
 
 
 def _told_s(name: str) -> float:
-    """Return a time that the robot told as it started this program; it was not the robot if that makes no sense."""
+    """Return a time that the robot set for this program; now, if it is missing or not a number."""
     now = time.monotonic()
     with contextlib.suppress(KeyError, ValueError):
         said_s = float(os.environ[name])
@@ -66,7 +66,7 @@ def _origin() -> Origin | None:
 
 
 def run(main: Callable[[], int]) -> int:
-    """Run a program: SIGTERM ends it in order as Ctrl-C does, and what goes wrong is a sentence and an exit code."""
+    """Run a program: SIGTERM ends it as Ctrl-C does, and an error becomes a sentence and an exit code."""
     signal.signal(signal.SIGTERM, _interrupt)
     try:
         return main()

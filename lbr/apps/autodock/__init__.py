@@ -1,2 +1,1 @@
-"""`autodock`: has the robot run its table `dock`, and prints the end. The table is the strategy, `beacon`
-moves."""
+"""`autodock`: runs the robot's table `dock`, and prints the end. The table is the strategy; `beacon` moves."""

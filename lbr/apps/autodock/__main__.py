@@ -16,7 +16,7 @@ from lbr.messages.leases import CommandReply, StopCommand
 
 ANSWER_S = 2.0
 SILENT_S = 5.0
-"""The behaviours publish their state once a second at least; a busy machine may be late."""
+"""The behaviours publish their state at least once a second; a busy machine may be late."""
 LOOK_S = 0.1
 
 
@@ -30,7 +30,7 @@ def main() -> int:
 
 
 def run(robot: Robot, table: str) -> tuple[bool, str]:
-    """Have a table run, and return whether it ended well and how; what ends this program ends the table."""
+    """Run a table, and return whether it ended well and how; an interrupt of this program ends the table."""
     states = wire.Subscription(robot.bus, keys.port(robot.name, "behaviour", "state"), depth=64)
     if stopped := _stopped_since(robot):
         return False, stopped
@@ -70,7 +70,7 @@ def _watched(states: wire.Subscription, table: str) -> tuple[bool, str]:
 
 
 def _stopped_since(robot: Robot) -> str:
-    """Return the sender that stopped the robot since this program was asked for, or nothing."""
+    """Return a stop since this program was started, in words, or an empty string."""
     key = keys.port(robot.name, "drive", "state")
     drive, end = wire.Subscription(robot.bus, key, depth=4), time.monotonic() + ANSWER_S
     while time.monotonic() < end:

@@ -1,5 +1,4 @@
-"""A robot's body as data, to be drawn: links, joints, shapes and sensors, from the descriptions that the simulated
-worlds have.
+"""A robot's body as data for drawing: links, joints, shapes and sensors, from the descriptions of simulated worlds.
 
     body.xml (MJCF) ──► mjcf.read ──► Body ──► RobotModel, with the limits of the joint rows
     rows of wheels and range sensors ──► wheeled.body ──► Body ─┘

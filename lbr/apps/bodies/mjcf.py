@@ -1,7 +1,7 @@
-"""Reads a body out of a MuJoCo description (MJCF), without MuJoCo: bodies, joints, simple shapes, cameras, sites.
+"""Reads a body from a MuJoCo description (MJCF), without MuJoCo: bodies, joints, simple shapes, cameras, sites.
 
-Meshes are left out, and everything else but simple shapes; `Body.left_out` lists them. Hinges and slides are taken as
-they are; where a body has several, or one that turns about a point of its own, links without shapes stand between.
+Everything else is left out, meshes too; `Body.left_out` lists it. Links without shapes are added if a body has several
+joints, or one whose axis is off its origin.
 """
 
 from collections.abc import Iterator, Mapping
@@ -17,7 +17,7 @@ from lbr.apps.bodies.turning import NO_TURN, Place, about, by_axes, by_euler, by
 from lbr.errors import InputError
 
 SHOWN_GROUPS = 3
-"""Viewers show the shapes of groups 0 to 2: from 3 on are those that only bump."""
+"""Viewers show the shapes of groups 0 to 2; groups from 3 on are for collisions only."""
 _SIZES: dict[ShapeKind, int] = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
 _JOINTS: dict[str, JointKind] = {"hinge": "hinge", "slide": "slide"}
 _LOOKING = by_axes((0.0, 0.0, -1.0), (-1.0, 0.0, 0.0))
@@ -27,7 +27,7 @@ Attributes = Mapping[str, str]
 
 
 def read(path: Path) -> Body:
-    """Return the body in a file; InputError names its fault."""
+    """Read the body in a file; raise InputError with its fault."""
     try:
         text = path.read_text(encoding="utf-8")
         return parse(text)
@@ -36,7 +36,7 @@ def read(path: Path) -> Body:
 
 
 def parse(text: str) -> Body:
-    """Return the body in a description; InputError names its fault."""
+    """Parse the body in a description; raise InputError with its fault."""
     try:
         root = ET.fromstring(text)  # noqa: S314 - a file of the robot's owner
     except ET.ParseError as err:
@@ -94,7 +94,7 @@ class _Reader:
         )
 
     def _children(self, element: ET.Element, parent: str, style: str, at: Place) -> None:
-        """Read the bodies in an element whose axes lie at `at` in those of the link `parent`."""
+        """Read the bodies in an element whose frame is at `at` in that of the link `parent`."""
         for child in element:
             if child.tag == "body":
                 self._body(child, parent, child.attrib.get("childclass", style), at.then(self._place(child.attrib)))
@@ -232,7 +232,7 @@ class _Reader:
 
 
 def _between(kind: ShapeKind, ends: list[float], size: list[float]) -> tuple[Place, list[float]]:
-    """Return where a shape lies that reaches from one point to another, and its half sizes."""
+    """Return the place and half sizes of a shape that reaches from one point to another."""
     if len(ends) != 6 or not size:
         raise ValueError("fromto needs six numbers, and size one")
     start, end = ends[:3], ends[3:]
@@ -243,7 +243,7 @@ def _between(kind: ShapeKind, ends: list[float], size: list[float]) -> tuple[Pla
 
 
 def _full(kind: ShapeKind, half: list[float]) -> tuple[float, ...]:
-    """Return a size as `Shape` has it, of MuJoCo's half sizes."""
+    """Convert MuJoCo's half sizes to a size of `Shape`."""
     if kind == "box":
         return 2 * half[0], 2 * half[1], 2 * half[2]
     if kind in {"cylinder", "capsule"}:

@@ -1,4 +1,4 @@
-"""The body of a robot: its owner's own, its package's, or one by its rows of wheels."""
+"""The body of a robot: its owner's own, its package's, or one made of its rows of wheels."""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -13,7 +13,7 @@ from lbr.robot import registry
 
 
 def body_file(robot: str, home: Path) -> Path | None:
-    """Return the description of a robot's body: its owner's own, or else the one that its package brings."""
+    """Return the description of a robot's body: its owner's own, else its package's."""
     own = home / "models" / f"{robot}.xml"
     if own.is_file():
         return own
@@ -24,7 +24,7 @@ def body_file(robot: str, home: Path) -> Path | None:
 def model(
     robot: str, file: Path | None, joints: Sequence[Joint], wheels: Sequence[Wheel], sensors: Sequence[RangeSensor]
 ) -> RobotModel:
-    """Return a robot's body with the limits of its rows; without one, why."""
+    """Return a robot's body with the limits of its rows; without a body, the reason."""
     body, reason = Body(), ""
     if file is not None:
         try:
@@ -48,7 +48,7 @@ def model(
 
 
 def _ranges(body: Body, rows: Iterable[Joint]) -> dict[str, JointRange]:
-    """Return each joint of a row, and each wheel; joints of the body that no row names stay at 0."""
+    """Return the range of each row's joint, and of each wheel; other joints of the body stay at 0."""
     ranges = {
         row.name: JointRange(
             lower=row.lower_rad,

@@ -1,4 +1,4 @@
-"""Which forms of motion files there are."""
+"""The forms of motion files."""
 
 from lbr.robot import registry
 
@@ -6,9 +6,9 @@ OWN = ".json"
 
 
 def known(robot: str = "") -> tuple[tuple[str, str, bool], ...]:
-    """Return the end of their names, what they are, and whether they are written as well, lbr's own first.
+    """Return the suffix of each form, its summary, and whether it can be written; lbr's own first.
 
-    For a robot whose package brings forms, those of other makers are only read.
+    If the robot's package brings forms, those of other makers are only read.
     """
     found = registry.find(robot)
     own = {one.suffix for one in found.robot.motion_formats} if found is not None and found.robot is not None else set()

@@ -15,8 +15,8 @@ GREY: Rgba = (0.5, 0.5, 0.5, 1.0)
 class Shape(Struct, frozen=True, kw_only=True):
     """A solid on a link, in the link's own axes.
 
-    `size` of a box is its three edges, of an ellipsoid its three radii, of a sphere its radius, of a cylinder its
-    radius and its length along z, of a capsule the same without its round ends.
+    `size` depends on the kind. Box: three edges. Ellipsoid: three radii. Sphere: the radius. Cylinder: the radius and
+    the length along z. Capsule: the same, without its round ends.
     """
 
     kind: ShapeKind
@@ -27,11 +27,11 @@ class Shape(Struct, frozen=True, kw_only=True):
 
 
 class Link(Struct, frozen=True, kw_only=True):
-    """A rigid part. With its joint at 0 its axes lie in its parent's at `origin_xyz`, turned by `origin_rpy`.
+    """A rigid part. With its joint at 0 its axes are at `origin_xyz` in its parent's, turned by `origin_rpy`.
 
-    Roll, pitch and yaw are about the parent's x, y and z, one after the other. A hinge turns it about `axis`, which is
-    in its own axes, by the joint's angle; a slide moves it along. Parents come before their children; the parent of a
-    root is empty, its axes are those of the floor below the robot.
+    Roll, pitch and yaw are about the parent's x, y and z, one after the other. A hinge turns the part about `axis`,
+    which is in its own axes, by the joint's angle; a slide moves it along. Parents come before their children. A root
+    has no parent, and the axes of the floor below the robot.
     """
 
     name: str
@@ -44,7 +44,7 @@ class Link(Struct, frozen=True, kw_only=True):
 
 
 class Sensor(Struct, frozen=True, kw_only=True):
-    """Something that looks along the x of its own axes, or measures along them; `link` is what it sits on."""
+    """A sensor on `link` that looks along its own x axis, or measures along its axes."""
 
     name: str
     kind: str
@@ -56,7 +56,7 @@ class Sensor(Struct, frozen=True, kw_only=True):
 
 
 class Body(Struct, frozen=True, kw_only=True):
-    """All of it; `joints` are the kinds of those that links name. `left_out` is what could not be drawn, in words."""
+    """A whole body; `joints` are the kinds of the links' joints, `left_out` names the parts that cannot be drawn."""
 
     links: tuple[Link, ...] = ()
     joints: dict[str, JointKind] = {}
@@ -65,7 +65,7 @@ class Body(Struct, frozen=True, kw_only=True):
 
 
 class JointRange(Struct, frozen=True, kw_only=True):
-    """The limits of a joint, by its row; `drawn` is true if a link has it."""
+    """The limits of a joint from its row; `drawn` is true if a link has it."""
 
     lower: float | None = None
     upper: float | None = None
@@ -76,7 +76,7 @@ class JointRange(Struct, frozen=True, kw_only=True):
 
 
 class RobotModel(Struct, frozen=True, kw_only=True):
-    """A robot's body with the limits of its rows. Without links `reason` says why there is nothing to draw."""
+    """A robot's body with the limits of its rows; without links, `reason` is why."""
 
     robot: str
     links: tuple[Link, ...] = ()

@@ -1,4 +1,4 @@
-"""Turns as unit quaternions (w, x, y, z), and places in one another: just what a description of a body needs."""
+"""Rotations as unit quaternions (w, x, y, z), and places relative to one another, as body descriptions need them."""
 
 from collections.abc import Sequence
 from math import asin, atan2, cos, hypot, pi, sin, sqrt
@@ -10,17 +10,17 @@ Turn = tuple[float, float, float, float]
 NO_TURN: Turn = (1.0, 0.0, 0.0, 0.0)
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _UPRIGHT = 1.0 - 1e-9
-"""From this sine on, pitch is straight up or down, and roll and yaw are about one axis: all of it is then yaw."""
+"""The sine from which pitch counts as vertical: roll and yaw are then about one axis, and all of it is yaw."""
 
 
 class Place(NamedTuple):
-    """Where axes lie in other ones."""
+    """The place of axes relative to others."""
 
     xyz: Xyz = (0.0, 0.0, 0.0)
     turn: Turn = NO_TURN
 
     def then(self, inner: "Place") -> "Place":
-        """Return where something lies outside that lies at `inner` in these axes."""
+        """Convert a place in these axes to one in the outer axes."""
         return Place(added(self.xyz, rotated(self.turn, inner.xyz)), product(self.turn, inner.turn))
 
 
@@ -30,7 +30,7 @@ def added(a: Xyz, b: Xyz) -> Xyz:
 
 
 def product(a: Turn, b: Turn) -> Turn:
-    """Return the turn that is `b` first, then `a`, as seen from outside."""
+    """Return the rotation `b`, then `a`, both about the outer axes."""
     aw, ax, ay, az = a
     bw, bx, by, bz = b
     return (
@@ -42,14 +42,14 @@ def product(a: Turn, b: Turn) -> Turn:
 
 
 def rotated(turn: Turn, vector: Xyz) -> Xyz:
-    """Return a vector as it lies after a turn."""
+    """Return a rotated vector."""
     w, x, y, z = turn
     _, rx, ry, rz = product(product(turn, (0.0, *vector)), (w, -x, -y, -z))
     return rx, ry, rz
 
 
 def unit(values: Sequence[float]) -> tuple[float, ...]:
-    """Return a vector of length 1; raise ValueError if it has none."""
+    """Return a vector scaled to length 1; raise ValueError if its length is 0."""
     length = sqrt(sum(value * value for value in values))
     if not length > 1e-12:
         raise ValueError(f"{' '.join(map(str, values))} has no length")
@@ -57,14 +57,14 @@ def unit(values: Sequence[float]) -> tuple[float, ...]:
 
 
 def about(axis: Sequence[float], angle_rad: float) -> Turn:
-    """Return a turn about an axis."""
+    """Return a rotation about an axis."""
     x, y, z = unit(axis)
     s = sin(angle_rad / 2)
     return cos(angle_rad / 2), x * s, y * s, z * s
 
 
 def by_euler(angles_rad: Sequence[float], order: str) -> Turn:
-    """Return three turns one after the other: about axes that turn along (small letters) or stay (large ones)."""
+    """Return three rotations in sequence, about axes that turn along (small letters) or stay (capitals)."""
     turn = NO_TURN
     for letter, angle in zip(order, angles_rad, strict=True):
         one = about(_AXES[letter.lower()], angle)
@@ -73,7 +73,7 @@ def by_euler(angles_rad: Sequence[float], order: str) -> Turn:
 
 
 def by_axes(x: Sequence[float], y: Sequence[float]) -> Turn:
-    """Return the turn that brings x there, and y into the plane of both."""
+    """Return the rotation of the x axis to `x`, and of the y axis into the plane of `x` and `y`."""
     ex = unit(x)
     along = sum(a * b for a, b in zip(ex, y, strict=True))
     ey = unit([b - along * a for a, b in zip(ex, y, strict=True)])
@@ -82,7 +82,7 @@ def by_axes(x: Sequence[float], y: Sequence[float]) -> Turn:
 
 
 def by_z(z: Sequence[float]) -> Turn:
-    """Return the shortest turn that brings z there."""
+    """Return the shortest rotation of the z axis to `z`."""
     x, y, up = unit(z)
     aside = hypot(x, y)
     if aside < 1e-10:
@@ -91,7 +91,7 @@ def by_z(z: Sequence[float]) -> Turn:
 
 
 def rpy(turn: Turn) -> Xyz:
-    """Return roll, pitch and yaw about axes that stay."""
+    """Return roll, pitch and yaw about fixed axes."""
     w, x, y, z = unit(turn)
     up = max(-1.0, min(1.0, 2 * (w * y - z * x)))
     if abs(up) > _UPRIGHT:
@@ -104,7 +104,7 @@ def rpy(turn: Turn) -> Xyz:
 
 
 def _of_columns(ex: Sequence[float], ey: Sequence[float], ez: Sequence[float]) -> Turn:
-    """Return the turn of a matrix, by its largest component (Shepperd)."""
+    """Convert a matrix to a quaternion, by its largest component (Shepperd)."""
     trace = ex[0] + ey[1] + ez[2]
     parts = (trace, ex[0], ey[1], ez[2])
     largest = parts.index(max(parts))

@@ -1,7 +1,6 @@
-"""The body of a base on wheels, made of its rows: a deck as large as what sits around it, its wheels and sensors.
+"""The body of a wheeled base, from its rows: wheels, sensors, and a deck as large as their outline.
 
-It is the body of the simulated world, as far as rows tell of it: their wheels, and a deck whose outline is that of
-wheels and range sensors.
+It is the body of the simulated world, as far as rows describe it.
 """
 
 from collections.abc import Sequence
@@ -17,16 +16,16 @@ WHEEL_WIDTH_M = 0.04
 CASTER_M = 0.03
 WHEEL_DIAMETER_M = 0.1778
 LENGTH_M, WIDTH_M = 0.43, 0.30
-"""The robot lbr's, where no row says anything else."""
+"""The measures of the robot lbr, for values that no row has."""
 LEVEL_M = 0.6
-"""A sensor higher than this sits on a mast, and says nothing about the deck."""
+"""A sensor higher than this is on a mast, and outside the deck's outline."""
 _SHELL: Rgba = (0.86, 0.87, 0.89, 1.0)
 _DARK: Rgba = (0.16, 0.17, 0.20, 1.0)
 _EYE: Rgba = (0.10, 0.45, 0.80, 1.0)
 
 
 def body(wheels: Sequence[Wheel], sensors: Sequence[RangeSensor]) -> Body:
-    """Return the body of a base that has these rows; without rows of wheels it has two, as the robot lbr has."""
+    """Return the body of a base with these rows; without rows of wheels it has two, as the robot lbr has."""
     length, width = outline_m(wheels, sensors)
     driven = tuple(wheels) or two_wheels(width)
     axle = max(wheel.diameter_m for wheel in driven) / 2
@@ -56,7 +55,7 @@ def body(wheels: Sequence[Wheel], sensors: Sequence[RangeSensor]) -> Body:
 
 
 def outline_m(wheels: Sequence[Wheel], sensors: Sequence[RangeSensor]) -> tuple[float, float]:
-    """Return length and width of what wheels and sensors on the deck reach around the middle."""
+    """Return length and width of the outline of wheels and low sensors, centred."""
     ahead, aside = [0.0], [0.0]
     for wheel in wheels:
         along, across, half = abs(cos(wheel.yaw_rad)), abs(sin(wheel.yaw_rad)), WHEEL_WIDTH_M / 2
@@ -74,7 +73,7 @@ def outline_m(wheels: Sequence[Wheel], sensors: Sequence[RangeSensor]) -> tuple[
 
 
 def two_wheels(width_m: float) -> tuple[Wheel, ...]:
-    """Return the wheels of a robot without rows of them."""
+    """Return the default wheels of a robot without rows for them."""
     half = (width_m - WHEEL_WIDTH_M) / 2
     return tuple(
         Wheel(name=name, motor=name, y_m=side * half, diameter_m=WHEEL_DIAMETER_M)
@@ -98,7 +97,7 @@ def _wheel(wheel: Wheel, axle_m: float) -> Link:
 
 
 def _casters(wheels: Sequence[Wheel], length_m: float, axle_m: float) -> tuple[Shape, ...]:
-    """Return what keeps a base from tipping over whose wheels alone do not."""
+    """Return the casters of a base whose wheels alone do not keep it from tipping over."""
     if min(wheel.x_m for wheel in wheels) < 0.0 < max(wheel.x_m for wheel in wheels):
         return ()
     x = length_m / 2 - CASTER_M

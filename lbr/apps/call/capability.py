@@ -1,4 +1,4 @@
-"""The call as a process: media beside the loop, and never anything that moves the robot or switches a camera."""
+"""The call as a process: media in a thread beside the loop. It moves nothing and switches no camera."""
 
 from math import inf
 from typing import TYPE_CHECKING
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 
 STATE_EVERY_S = 1.0
 CURRENT_S = 1.0
-"""A camera that shows nothing for so long makes room for another that is on."""
+"""After so long without a picture a camera makes room for another one."""
 PREFIX = "camera_"
 INSTALL = "pip install 'lbr[telepresence]'"
 
 
 class Call(Capability[CallSettings]):
-    """Lets pages in, and shows them what the cameras show that are on. A camera that is off stays off."""
+    """Admits pages, and shows them the camera that is on. A camera that is off stays off."""
 
     rate_hz = 10.0
 
@@ -38,7 +38,7 @@ class Call(Capability[CallSettings]):
         self._publish_at = -inf
 
     def open(self) -> None:
-        """Begin."""
+        """Start the media, if their packages are installed."""
         try:
             from lbr.apps.call.media import Media  # noqa: PLC0415 - without it the page is told why there are no calls
         except ImportError as err:
@@ -48,7 +48,7 @@ class Call(Capability[CallSettings]):
             self._media = Media(self.ctx.wake, self.ctx.settings.microphone, simulated=self.ctx.simulated)
 
     def step(self) -> None:
-        """Pass pictures on, and note what became of connections."""
+        """Pass pictures on, and read the results of connections."""
         now, media = self.ctx.clock(), self._media
         for received in self.ctx.take("cameras"):
             self._cameras[received.source] = received.message
@@ -90,7 +90,7 @@ class Call(Capability[CallSettings]):
             self._media = None
 
     def _look_at_states(self, now: float) -> None:
-        """Know which camera a call would show, and let it rest until there is one."""
+        """Choose the camera that a call would show, from the states alone: pictures are read during calls only."""
         streaming = [
             name for name, state in self._cameras.items() if state.phase == "streaming" and self.ctx.alive(name)
         ]
@@ -101,7 +101,7 @@ class Call(Capability[CallSettings]):
     def _look(self, received: Received, now: float) -> None:
         camera = received.source
         if camera != self._camera and now - self._seen_s < CURRENT_S:
-            return  # two are on: the one that was there first is shown
+            return  # two cameras are on: keep showing the first
         self._camera, self._seen_s = camera, now
         if self._media is not None:
             self._media.show(received.message.data, received.arrived)
@@ -128,7 +128,7 @@ class Call(Capability[CallSettings]):
             self.ctx.event(one.kind, one.text, level=one.level, code=one.code)
 
     def _whole(self, reply: RingReply) -> RingReply:
-        """Add how picture and sound are."""
+        """Add the state of picture and sound to a reply."""
         if not reply.accepted or reply.phase == "idle":
             return reply
         hears, sound = self._sound
@@ -142,7 +142,7 @@ class Call(Capability[CallSettings]):
         return (self._media.hears, self._media.sound) if self._media is not None else ("silence", "")
 
     def _no_picture(self) -> str:
-        """Return the reason of a missing picture; empty if there is one."""
+        """Return why there is no picture; empty if there is one."""
         if self.ctx.clock() - self._seen_s <= CURRENT_S:
             return self._media.broken if self._media is not None else ""
         cameras = {name: state for name, state in self._cameras.items() if self.ctx.alive(name)}

@@ -1,6 +1,6 @@
-"""Callers, viewers and their times: decided here, without clock, bus or media.
+"""The rules of calls: callers, viewers, displays and their time limits, without clock, bus or media.
 
-Orders for it stand in `orders`, reports in `news`; the capability takes both.
+`orders` are for the media, `news` are events; the capability takes both.
 """
 
 from collections.abc import Callable
@@ -14,10 +14,9 @@ from lbr.messages.codes import Reason
 from lbr.messages.system import RANKS, Role
 
 SILENT_S = 8.0
-"""A page says every second that it is there. A phone that is put down for a moment, or a poor network, may miss
-some."""
+"""A page reports every second that it is open. A phone that is put down, or a poor network, may miss some reports."""
 CONNECT_S = 15.0
-"""Between two machines of one network it takes less than one; without a way, this long is tried."""
+"""The time to connect. Two machines of one network need less than one second; without a route the try ends then."""
 MOST_DISPLAYS = 2
 DISPLAY_ROLE: Role = "operate"
 ENDED_KEPT = 16
@@ -55,7 +54,7 @@ class Close:
 
 @dataclass(frozen=True, slots=True)
 class News:
-    """An event to be written down."""
+    """An event to publish."""
 
     kind: str
     text: str
@@ -64,14 +63,14 @@ class News:
 
 
 class Desk:
-    """One caller at a time, some who watch, and the robot's own displays."""
+    """One caller at a time, some viewers, and the robot's own displays."""
 
     def __init__(self, settings: CallSettings, make_id: Callable[[], str] = lambda: token_urlsafe(12)) -> None:
         self.orders: list[Connect | Close] = []
         self.news: list[News] = []
         self.calls = 0
         self.lacks = ""
-        """Why no call can be made at all; empty if one can."""
+        """Why no call is possible; empty if calls are."""
         self.last = Reason("idle", "")
         self._settings = settings
         self._make_id = make_id
@@ -90,7 +89,7 @@ class Desk:
 
     @property
     def pictured(self) -> int:
-        """The number of pages that get a picture by WebRTC, or would once they are answered."""
+        """The number of pages that get a picture by WebRTC, or will once they are answered."""
         return sum(one.purpose != "display" for one in self._guests.values())
 
     @property
@@ -100,11 +99,11 @@ class Desk:
 
     @property
     def any(self) -> bool:
-        """Return whether a page is let in."""
+        """Return whether there is any guest."""
         return bool(self._guests)
 
     def ring(self, command: RingCommand, now: float) -> RingReply:
-        """Let a page in, or say why not."""
+        """Admit a page, or refuse it with the reason."""
         if (why := self._why_not(command)) is not None:
             if why.code != "malformed":
                 self.news.append(News("call_refused", f"{command.by} ({command.purpose}): {why}", "info", why.code))
@@ -130,7 +129,7 @@ class Desk:
         return self._reply(guest)
 
     def keep(self, id: str, now: float, *, leave: bool = False) -> RingReply:
-        """Note that a page is connected, or leaves; return the state of its call."""
+        """Note that a page is present, or leaves; return the state of its call."""
         guest = self._guests.get(id)
         if guest is None and (why := self._ended.get(id)) is not None:
             return RingReply(accepted=True, id=id, phase="idle", reason=why.text, code=why.code)
@@ -168,19 +167,19 @@ class Desk:
             guest.answer = answer
 
     def connected(self, id: str) -> None:
-        """Note that picture and sound have a way."""
+        """Note that picture and sound are connected."""
         if (guest := self._guests.get(id)) is not None:
             guest.phase, guest.until_s = "talking", inf
             if guest.purpose != "display":
                 self.news.append(News("call_connected", f"{guest.name} is connected ({_MEANS[guest.purpose]})"))
 
     def lost(self, id: str, why: Reason) -> None:
-        """Note that a guest's connection failed, or is over."""
+        """Note that a guest's connection failed, or ended."""
         if (guest := self._guests.get(id)) is not None:
             self._end(guest, why)
 
     def tick(self, now: float) -> None:
-        """End what has taken too long."""
+        """End silent guests, and calls that are late."""
         for guest in list(self._guests.values()):
             if now - guest.heard_s > SILENT_S:
                 self._end(guest, Reason("holder_gone", f"the page of {guest.name} fell silent"))
@@ -188,7 +187,7 @@ class Desk:
                 self._end(guest, _LATE[guest.phase])
 
     def close(self, why: Reason) -> None:
-        """End everything: the process ends."""
+        """End all calls, as the process ends."""
         for guest in list(self._guests.values()):
             self._end(guest, why)
 
@@ -225,7 +224,7 @@ class Desk:
 
     def _end(self, guest: Guest, why: Reason) -> None:
         if self._guests.pop(guest.id, None) is None:
-            return  # it went with its caller
+            return  # already ended with its caller
         self._ended[guest.id] = why
         while len(self._ended) > ENDED_KEPT:
             del self._ended[next(iter(self._ended))]
@@ -249,7 +248,7 @@ _LATE: dict[CallPhase, Reason] = {
 
 
 def fault_of(offer: str) -> Reason | None:
-    """Return why an offer cannot be answered."""
+    """Return why an offer cannot be answered, or None."""
     lines = offer.splitlines()
     if not lines or lines[0].strip() != "v=0":
         return Reason("malformed", "this is no offer of a browser: it must begin with 'v=0'")
@@ -264,9 +263,9 @@ def fault_of(offer: str) -> Reason | None:
 
 
 def without_names(offer: str) -> str:
-    """Return an offer without addresses that would have to be looked up, and without a last word on addresses.
+    """Return an offer without addresses that need a lookup, and without the mark that the list is complete.
 
-    Browsers hide theirs behind names that only multicast knows. They reach the robot by its own, and are answered
+    Browsers hide their addresses behind multicast names. They reach the robot by its own addresses, and are answered
     there.
     """
     kept = [line for line in offer.splitlines() if not _is_name(line) and line.strip() != "a=end-of-candidates"]

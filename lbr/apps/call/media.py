@@ -1,7 +1,7 @@
-"""The connections themselves: a thread with an event loop of its own, in which aiortc encodes and decodes.
+"""The WebRTC connections: a thread with its own event loop, in which aiortc encodes and decodes.
 
-Orders go in by methods from any thread, what became of them comes out in `news`. No servers are asked for addresses:
-browser and robot find each other within their network, or not at all.
+Any thread may call the methods; results are in `news`. No server is asked for addresses: browser and robot find each
+other within their network, or not at all.
 """
 
 import asyncio
@@ -32,7 +32,7 @@ _addresses = aioice.ice.get_host_addresses
 
 
 def _or_loopback(*, use_ipv4: bool, use_ipv6: bool) -> list[str]:
-    """Return this machine's addresses; the loopback's where it has no other, for browsers of its own that allow it."""
+    """Return this machine's addresses; without any, the loopback address, for browsers here that allow it."""
     return _addresses(use_ipv4=use_ipv4, use_ipv6=use_ipv6) or (["127.0.0.1"] if use_ipv4 else [])
 
 
@@ -41,7 +41,7 @@ aioice.ice.get_host_addresses = _or_loopback
 
 @dataclass(frozen=True, slots=True)
 class PeerNews:
-    """The result of a connection; `text` is the answer to the offer, or why there is no answer."""
+    """The result of a connection; `text` is the answer to the offer, or the reason without one."""
 
     id: str
     outcome: Literal["answer", "refused", "connected", "lost"]
@@ -49,7 +49,7 @@ class PeerNews:
 
 
 class Media:
-    """Connections by the guests' names. `wake` is called for each piece of news."""
+    """The connections by guest. `wake` is called for each piece of news."""
 
     def __init__(self, wake: Callable[[], None], microphone: str, *, simulated: bool) -> None:
         self.news: deque[PeerNews] = deque()
@@ -81,7 +81,7 @@ class Media:
 
     @property
     def received(self) -> int:
-        """The frames that came from callers, of picture and sound."""
+        """The number of frames received from callers, of picture and sound."""
         return self._fan.count
 
     def connect(self, id: str, purpose: Purpose, offer: str) -> None:
@@ -93,7 +93,7 @@ class Media:
         self._soon(lambda: self._start(self._close(id)))
 
     def show(self, jpeg: bytes, taken_s: float) -> None:
-        """Show a picture in the place of one that was not shown yet."""
+        """Replace the newest picture."""
         self._newest = jpeg, taken_s
         self._soon(self._show)
 
@@ -112,7 +112,7 @@ class Media:
         self._pictures = Pictures()
         try:
             self._loop.run_forever()
-            while left := asyncio.all_tasks(self._loop):  # a connection that is cut short begins to close itself
+            while left := asyncio.all_tasks(self._loop):  # a connection that is cut short closes itself in tasks
                 for task in left:
                     task.cancel()
                 self._loop.run_until_complete(asyncio.gather(*left, return_exceptions=True))
@@ -140,7 +140,7 @@ class Media:
         peer = self._peers[id] = _Peer(id, self._emit, self._start)
         peer.begun = asyncio.current_task()
         faults: list[Exception] = []
-        with border(faults.append):  # whatever a page sent: it must not end the calls of others
+        with border(faults.append):  # a page's bad offer must not end the calls of others
             if purpose == "display":
                 peer.send(self._fan.track("video"))
                 peer.send(self._fan.track("audio"))
@@ -160,13 +160,13 @@ class Media:
         if peer is None:
             return
         if peer.begun is not None and peer.begun is not asyncio.current_task():
-            await asyncio.wait({peer.begun}, timeout=CLOSE_S)  # sockets that it is opening now would be left open
+            await asyncio.wait({peer.begun}, timeout=CLOSE_S)  # else sockets being opened now would stay open
         if peer.talks and not any(one.talks for one in self._peers.values()):
             await asyncio.to_thread(self._source.end)
         await peer.close()
-        gc.collect()  # connections refer to themselves in circles, with encoders of some megabytes in them
+        gc.collect()  # connections are reference cycles, with encoders of some megabytes
         with suppress(AttributeError):  # a C library that is not glibc
-            _libc.malloc_trim(0)  # each thread of a codec leaves a heap of its own behind
+            _libc.malloc_trim(0)  # each thread of a codec leaves a heap behind
 
     async def _end(self) -> None:
         with suppress(TimeoutError):
@@ -179,10 +179,10 @@ class Media:
 
 
 def apart(answer: str) -> str:
-    """Return an answer whose sound is of another stream than its picture.
+    """Return an answer with its sound in another stream than its picture.
 
-    A browser holds pictures back until the sound of the same stream is there, and sound waits longer. A driver would
-    rather have the picture at once.
+    A browser delays pictures until the sound of the same stream arrives, and sound arrives later. A driver needs the
+    picture at once.
     """
     before, sound, after = answer.partition("m=audio")
     media, video, rest = after.partition("m=video")
@@ -190,7 +190,7 @@ def apart(answer: str) -> str:
 
 
 class _Peer:
-    """One connection, with what it sends and takes."""
+    """One connection, with the tracks that it sends and receives."""
 
     def __init__(
         self,
@@ -209,7 +209,7 @@ class _Peer:
         self._connection.on("connectionstatechange", self._changed)
 
     def send(self, track: Any) -> None:
-        """Send a track; pictures as VP8, whatever else the other side can read."""
+        """Send a track; pictures are always VP8."""
         self._tracks.append(track)
         self._connection.addTrack(track)
         if track.kind == "video":
@@ -217,7 +217,7 @@ class _Peer:
             self._connection.getTransceivers()[-1].setCodecPreferences(codecs)
 
     def take(self, fan: Fan) -> None:
-        """Take what comes: its page talks."""
+        """Receive the caller's tracks."""
         self.talks = True
         self._connection.on("track", lambda track: self._taking.append(self._start(fan.take(track))))
 
@@ -231,11 +231,11 @@ class _Peer:
         return apart(told) if self.talks else told
 
     async def close(self) -> None:
-        """Close it."""
+        """Close the connection."""
         self._connection.remove_all_listeners()
         for track in self._tracks:
             track.stop()
-        for taking in self._taking:  # tracks of a connection that never came to be do not end by themselves
+        for taking in self._taking:  # tracks of an incomplete connection do not end by themselves
             taking.cancel()
         await self._connection.close()
 

@@ -11,7 +11,7 @@ Hears = Literal["microphone", "tone", "silence"]
 CallPhase = Literal["idle", "ringing", "connecting", "talking"]
 Purpose = Literal["talk", "watch", "display"]
 LONGEST_OFFER = 32_768
-"""Characters of an offer. Browsers write some eight thousand."""
+"""The most characters of an offer; browsers write about eight thousand."""
 GuestId = Annotated[str, Meta(min_length=1, max_length=40, description="from the page's ring")]
 Offer = Annotated[str, Meta(min_length=1, max_length=LONGEST_OFFER, description="a browser's offer (SDP)")]
 

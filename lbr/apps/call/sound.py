@@ -1,4 +1,4 @@
-"""The sound for a caller: the robot's microphone by `arecord`, a test tone, or silence; and which of them it is."""
+"""The sound for a caller: the robot's microphone by `arecord`, a test tone, or silence."""
 
 import math
 import shutil
@@ -15,21 +15,21 @@ from lbr.capability.die_with_parent import dying_with_parent
 
 RATE_HZ = 48_000
 SAMPLES = RATE_HZ // 50
-"""Of a packet: 20 ms, as Opus has them."""
+"""The samples of a packet: 20 ms, as in Opus."""
 BYTES = SAMPLES * 2
 SILENCE = bytes(BYTES)
 MOST_WAITING = 5
-"""Packets that a slow caller may be behind; what is older is not heard at all."""
+"""The packets by which a slow caller may lag; older ones are dropped."""
 TONE = "tone"
 TONE_HZ, TONE_LEVEL, TONE_PACKETS, TONE_EVERY = 440.0, 900, 10, 100
-"""A fifth of a second of a soft tone, every two seconds."""
+"""A soft tone for a fifth of a second, every two seconds."""
 AGAIN_S = 5.0
 END_S = 2.0
 _WORDS = 500
 
 
 def tone() -> tuple[bytes, ...]:
-    """Return the packets of a round of the test tone."""
+    """Return the packets of one period of the test tone."""
     count = SAMPLES * TONE_PACKETS
     wave = array("h", (int(_fade(n, count) * math.sin(2 * math.pi * TONE_HZ * n / RATE_HZ)) for n in range(count)))
     data = wave.tobytes()
@@ -42,7 +42,7 @@ def _fade(n: int, count: int) -> float:
 
 
 class Source:
-    """The sound of now, packet by packet; `text` describes it, and `hears` in a word."""
+    """The present sound, packet by packet; `text` describes it, `hears` names its kind."""
 
     def __init__(self, device: str, *, simulated: bool) -> None:
         self._device = device
@@ -59,12 +59,12 @@ class Source:
             self.text = "silence: this robot's row names no microphone"
 
     def begin(self) -> None:
-        """Open the microphone, if that is what there is; it is open only while there is a caller."""
+        """Open the microphone, if there is one; it is open only during a call."""
         if self._recorder is None and self._device and not self._tone:
             self._recorder = _Recorder(self._device, self._receive, self._lose)
 
     def next(self) -> bytes:
-        """Return 20 ms of sound; silence if it is missing."""
+        """Return 20 ms of sound; silence without sound."""
         if self._tone:
             self._n = (self._n + 1) % len(self._tone)
             return self._tone[self._n]
@@ -117,7 +117,7 @@ class _Recorder:
             self._over.wait(AGAIN_S)
 
     def _recorded(self) -> str:
-        """Record until that ends; return why it did."""
+        """Record until arecord ends; return the reason."""
         program = shutil.which("arecord")
         if program is None:
             return "`sudo apt install alsa-utils` brings arecord"

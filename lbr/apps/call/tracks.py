@@ -1,6 +1,6 @@
-"""Tracks that aiortc asks for the next frame: the camera's newest picture, sound, and what came of the caller.
+"""Tracks from which aiortc takes the next frame: the camera's newest picture, sound, and the caller's frames.
 
-Everything here is for the one event loop of the media. Newest wins: a track that is asked late misses pictures.
+All of it is for the event loop of the media. A track that is asked late misses pictures, as only the newest counts.
 """
 
 import asyncio
@@ -20,14 +20,14 @@ CLOCK_HZ = 90_000
 VIDEO_BASE = fractions.Fraction(1, CLOCK_HZ)
 SOUND_BASE = fractions.Fraction(1, RATE_HZ)
 OLD_S = 1.0
-"""A camera that has shown nothing for so long is off or away, and its last picture is not left standing."""
+"""The age of a camera's picture after which it is replaced by a dark one: the camera is off or away."""
 DARK = (640, 360)
 MOST_SOUND = 25
-"""Packets of the caller's sound that a display may be behind: half a second."""
+"""The packets of the caller's sound by which a display may lag: half a second."""
 
 
 class Pictures:
-    """The newest picture, decoded once for all viewers; dark while it is missing."""
+    """The newest picture, decoded once for all viewers; dark without one."""
 
     def __init__(self) -> None:
         self.broken = ""
@@ -40,7 +40,7 @@ class Pictures:
         self._shown_s = -OLD_S
 
     def show(self, jpeg: bytes, taken_s: float) -> None:
-        """Put a picture in the place of the one before; a broken one is passed over."""
+        """Replace the picture; a broken one is skipped."""
         try:
             frame = self._decoded(jpeg)
         except (av.error.FFmpegError, ValueError) as err:
@@ -55,7 +55,7 @@ class Pictures:
         self._shown_s = time.monotonic()
 
     async def next(self, after: int) -> tuple[Any, int]:
-        """Return a picture newer than a number, and its number; a dark one where the camera shows none."""
+        """Return a picture newer than a number, and its number; a dark one if the camera shows nothing."""
         while self._number <= after:
             news = self._news
             try:
@@ -67,7 +67,7 @@ class Pictures:
         return self._frame, self._number
 
     def _set(self, frame: Any, taken_s: float) -> None:
-        self._pts = max(self._pts + 1, int(taken_s * CLOCK_HZ))  # time only grows, whatever a camera says
+        self._pts = max(self._pts + 1, int(taken_s * CLOCK_HZ))  # the time only increases, whatever a camera reports
         frame.pts, frame.time_base = self._pts, VIDEO_BASE
         self._frame, self._number = frame, self._number + 1
         news, self._news = self._news, asyncio.Event()
@@ -76,13 +76,13 @@ class Pictures:
     def _decoded(self, jpeg: bytes) -> Any:
         if self._decoder is None:
             self._decoder = av.CodecContext.create("mjpeg", "r")
-            self._decoder.thread_count = 1  # with more, a picture comes out when the next has come in
+            self._decoder.thread_count = 1  # with more threads each picture comes out one later
         found = self._decoder.decode(av.Packet(jpeg))
         return found[-1].reformat(format="yuv420p", dst_color_range="MPEG") if found else None
 
 
 def dark(width: int, height: int) -> Any:
-    """Return a picture that shows nothing."""
+    """Return a dark picture."""
     frame = av.VideoFrame(width - width % 2, height - height % 2, "yuv420p")
     for plane, value in zip(frame.planes, (16, 128, 128), strict=True):
         plane.update(bytes([value]) * plane.buffer_size)
@@ -119,7 +119,7 @@ class SoundTrack(MediaStreamTrack):  # type: ignore[misc]
         self._n = 0
 
     async def recv(self) -> Any:
-        """Return the next packet when its time has come."""
+        """Return the next packet at its time."""
         if self.readyState != "live":
             raise MediaStreamError
         now = time.monotonic()
@@ -128,7 +128,7 @@ class SoundTrack(MediaStreamTrack):  # type: ignore[misc]
         due = self._began + self._n * SAMPLES / RATE_HZ
         if due > now:
             await asyncio.sleep(due - now)
-        elif now - due > 1.0:  # the machine slept, or had no time at all: what was not sent is not sent later
+        elif now - due > 1.0:  # the machine slept, or was too busy: skip the unsent packets
             self._n += int((now - due) * RATE_HZ / SAMPLES)
         frame = av.AudioFrame(format="s16", layout="mono", samples=SAMPLES)
         frame.planes[0].update(self._source.next())
@@ -138,7 +138,7 @@ class SoundTrack(MediaStreamTrack):  # type: ignore[misc]
 
 
 class Fan:
-    """The caller's sound and picture, for all displays; without a display it is taken and dropped."""
+    """The caller's sound and picture, for all displays; without displays they are dropped."""
 
     def __init__(self) -> None:
         self._displays: set[RelayTrack] = set()
@@ -151,11 +151,11 @@ class Fan:
         return made
 
     def leave(self, track: "RelayTrack") -> None:
-        """Show it no more."""
+        """Remove a display's track."""
         self._displays.discard(track)
 
     async def take(self, track: Any) -> None:
-        """Pass on what a track of the caller's brings, until that ends."""
+        """Pass on the frames of a caller's track, until it ends."""
         with contextlib.suppress(MediaStreamError):
             while True:
                 frame = await track.recv()
@@ -176,7 +176,7 @@ class RelayTrack(MediaStreamTrack):  # type: ignore[misc]
         self._news = asyncio.Event()
 
     def give(self, frame: object) -> None:
-        """Take a frame in."""
+        """Add a frame."""
         self._frames.append(frame)
         self._news.set()
 
@@ -190,7 +190,7 @@ class RelayTrack(MediaStreamTrack):  # type: ignore[misc]
         raise MediaStreamError
 
     def stop(self) -> None:
-        """End it."""
+        """End the track."""
         super().stop()
         self._fan.leave(self)
         self._news.set()

@@ -1,4 +1,4 @@
-"""Cameras: one of several on at a time, by name."""
+"""Cameras: one of several is on at a time, chosen by name."""
 
 from lbr.component import Component
 

@@ -1,4 +1,4 @@
-"""One camera on at a time: the others are switched off first, and the asker is told what did not work."""
+"""One camera on at a time: the others are switched off first, and the reply names the failures."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -12,16 +12,16 @@ from lbr.messages.leases import CommandReply
 
 PREFIX = "camera_"
 OFF_S, ON_S = 0.7, 1.2
-"""A camera answers a little sooner."""
+"""The time for a camera's answer to a switch; a camera answers a little sooner."""
 STATE_PERIOD_S = 1.0
 MOST_WAITING = 8
 FIRST_S = 1.0
-"""The wait of the first state for those of all cameras."""
+"""The first state waits so long for those of all cameras."""
 
 
 @dataclass(slots=True)
 class _Selecting:
-    """A selection under way: first the others go off, then the one comes on."""
+    """A selection under way: first the others are switched off, then the wanted one on."""
 
     call: Call
     wanted: str
@@ -31,7 +31,7 @@ class _Selecting:
 
 
 class Cameras(Capability[CamerasSettings]):
-    """Selects among the cameras that are wired to its request `switch`, by their names without `camera_`."""
+    """Selects one of the cameras wired to its request `switch`, by their names without `camera_`."""
 
     rate_hz = 5.0
 
@@ -46,14 +46,14 @@ class Cameras(Capability[CamerasSettings]):
         self._first_at = ctx.clock() + FIRST_S
 
     def step(self) -> None:
-        """Go on with a selection, and publish which camera is on."""
+        """Advance the selection, and publish which camera is on."""
         for received in self.ctx.take("states"):
             self._states[received.source] = received.message
         self._go_on()
         self._publish_state()
 
     def command(self, call: Call) -> None:
-        """Take a selection; it is answered when the cameras have answered."""
+        """Queue a selection; its reply follows those of the cameras."""
         message = call.message
         if not isinstance(message, SelectCommand):
             call.refuse(f"{call.name} is not understood here", "unknown_command")
@@ -68,7 +68,7 @@ class Cameras(Capability[CamerasSettings]):
             self._go_on()
 
     def _go_on(self) -> None:
-        """Take up what waits, and ask the next question once the last is answered."""
+        """Send the next switch once the last one is answered; begin the next selection."""
         while True:
             now = self._selecting
             if now is None:

@@ -17,7 +17,7 @@ _CAMERA = "camera_"
 
 
 def _cameras(known: Known) -> set[str]:
-    """Return what may be switched on, and that none may be."""
+    """Return the names to select: the cameras, and off."""
     return {OFF, *(name.removeprefix(_CAMERA) for name in known.wired if name.startswith(_CAMERA))}
 
 

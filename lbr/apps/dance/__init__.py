@@ -1,4 +1,4 @@
-"""Dance: plays a song and moves the base to its beats, as anybody else would: by commands with a lease."""
+"""Dance: plays a song and moves the base to its beats, by commands under a lease, as any other client."""
 
 from lbr.component import Component
 

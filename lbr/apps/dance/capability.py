@@ -1,4 +1,4 @@
-"""Dance as a capability: takes the base, has the song played, moves at each beat, and ends with either of them."""
+"""Dance as a capability: leases the base, starts the song, moves at each beat, and ends with either of them."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,18 +20,18 @@ from lbr.messages.leases import CommandReply, StopCommand
 
 DRIVE = LeaseTarget("motion", "halt", "drive", "the drive does not answer; the base has stopped by itself")
 TAKING_POWER = 0.001
-"""The power that borrows the drive, as a command of zero gets no lease. It moves nothing, and a stop ends the lease."""
+"""The power that gets a lease of the drive, as a command of zero gets none. It moves nothing; a stop ends the lease."""
 DANCING_HZ, IDLE_HZ = 50.0, 5.0
 STATE_EVERY_S = 1.0
 RESTING = DanceState(phase="resting")
 DANCED = Reason("done", "danced to the end")
 ASKED_FOR = frozenset({"done", "stopped"})
-"""Why dances end that were to end."""
+"""The codes of an intended end."""
 
 
 @dataclass(slots=True)
 class _Dance:
-    """The dance under way; `call` waits for the answer until it has begun."""
+    """The dance under way; `call` is its command, answered once the song has begun."""
 
     song: Song
     choreography: Choreography
@@ -43,7 +43,7 @@ class _Dance:
 
 
 class Dance(Capability[DanceSettings]):
-    """Holds the base from before the song begins, so that a stop at any time is the end of the dance."""
+    """Holds the base from before the song begins, so that a stop at any time ends the dance."""
 
     rate_hz = IDLE_HZ
 
@@ -59,7 +59,7 @@ class Dance(Capability[DanceSettings]):
         self._publish_at = 0.0
 
     def step(self) -> None:
-        """Go on dancing."""
+        """Continue the dance."""
         if self._dance is not None:
             self._go_on(self._dance)
         self.rate_hz = IDLE_HZ if self._dance is None else DANCING_HZ
@@ -105,7 +105,7 @@ class Dance(Capability[DanceSettings]):
             self._follow(dance)
 
     def _follow(self, dance: _Dance) -> None:
-        """Move to the music, once there is any."""
+        """Move to the music, once it has begun."""
         if dance.music is None:
             dance.music = Music(self.ctx, dance.song.name, dance.song.duration_s)
         dance.music.step()

@@ -1,4 +1,4 @@
-"""Which move belongs to which beat. Pure."""
+"""Moves by beat. Pure."""
 
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
@@ -22,18 +22,18 @@ REST = Move()
 
 
 class Choreography(Struct, frozen=True):
-    """A dance as rows: a move for each beat; after the last comes the first."""
+    """A dance: a move for each beat; after the last move comes the first."""
 
     name: str
     moves: tuple[Move, ...]
 
     def at(self, beat: int) -> Move:
-        """Return the move that begins with a beat, counted from 0."""
+        """Return the move of a beat, counted from 0."""
         return self.moves[beat % len(self.moves)]
 
 
 def choose(steps: Iterable[DanceStep], name: str) -> Choreography:
-    """Return the choreography of this name; raise InputError naming which it may have been."""
+    """Return the choreography of this name; raise InputError with similar names."""
     rows = sorted(steps, key=lambda step: step.step)
     own = [repeat(Move(step.power, step.angle_deg), step.beats) for step in rows if step.dance == name]
     if not own:
@@ -45,5 +45,5 @@ def choose(steps: Iterable[DanceStep], name: str) -> Choreography:
 
 
 def beat_at(beats: Sequence[float], seconds: float) -> int:
-    """Return which beat was last, counted from 0; -1 before the first."""
+    """Return the last beat before a time, counted from 0; -1 before the first."""
     return bisect_right(beats, seconds) - 1

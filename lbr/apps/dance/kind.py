@@ -25,7 +25,7 @@ CLICKS = "metronome"
 
 
 def _songs(known: Known) -> set[str]:
-    """Return the songs that there are beats for, and the one that every robot has."""
+    """Return the songs with beats, and the metronome."""
     return {CLICKS, *(path.stem for path in (known.home / "music").glob("*.json"))}
 
 

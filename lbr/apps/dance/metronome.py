@@ -1,4 +1,4 @@
-"""The song that is always there: clicks, so that the first dance needs no music of one's own."""
+"""The built-in song: clicks, so that the first dance needs no music of one's own."""
 
 import json
 import math
@@ -15,11 +15,11 @@ BEATS = 17
 FIRST_S = 0.75
 CLICK_S = 0.06
 PITCHES_HZ = (1320.0, 880.0, 880.0, 880.0)
-"""Of the beats of a bar."""
+"""The pitches of a bar's beats."""
 
 
 def ensure(music: Path) -> None:
-    """Make the song unless it is there; raises OSError if that cannot be."""
+    """Write the song unless it exists; raises OSError if that fails."""
     if all((music / f"{NAME}{suffix}").exists() for suffix in (".wav", ".json")):
         return
     music.mkdir(mode=0o700, exist_ok=True)

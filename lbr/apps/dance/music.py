@@ -1,5 +1,4 @@
-"""The song of a dance, played by speech: when it began, and whether it goes on. Without sound, beats are counted from
-now."""
+"""The song of a dance, played by speech: its beginning, and whether it goes on. Without sound it begins at once."""
 
 from typing import Any
 
@@ -13,7 +12,7 @@ NEAR_THE_END_S = 0.5
 
 
 class Music:
-    """One song. `began` is None until it is known; `silent` says why nothing is heard, or nothing."""
+    """One song. `began` is None until it is known; `silent` is why there is no sound, or empty."""
 
     def __init__(self, ctx: Context[Any], song: str, duration_s: float) -> None:
         self.began: float | None = None
@@ -24,7 +23,7 @@ class Music:
         self._asked = ctx.ask("sound", SongCommand(song=song), ANSWER_S)
 
     def step(self) -> None:
-        """Find out when it began."""
+        """Read when the song began."""
         answers = self._asked.answers() if self.began is None else None
         if answers is None:
             return
@@ -39,7 +38,7 @@ class Music:
             self.began = reply.began_s
 
     def cut(self) -> Reason | None:
-        """Return why the song is not being played any more although it is not over, or nothing."""
+        """Return why the song ended before its time, or None."""
         if self.began is None or self.silent:
             return None
         if not self._ctx.clock() < self.began + self._duration_s - NEAR_THE_END_S:
@@ -53,5 +52,5 @@ class Music:
         return None if told.message.playing == self._song else Reason("stopped", "the song was ended")
 
     def stop(self) -> None:
-        """End it; also one that did not answer in time and may begin yet."""
+        """End the song, even one that may begin later because speech did not answer in time."""
         self._ctx.ask("hush", HushCommand(song=self._song), ANSWER_S)

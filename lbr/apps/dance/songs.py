@@ -20,7 +20,7 @@ Beat = Annotated[float, Meta(ge=0.0, le=LATEST_S)]
 
 
 class Song(Struct, frozen=True):
-    """A song that can be danced to: two beats at least, in order, none after its end."""
+    """A song to dance to: at least two beats, in order, none after its end."""
 
     name: str
     beats: tuple[float, ...]
@@ -32,7 +32,7 @@ class _Beats(Struct, frozen=True):
 
 
 def load(music: Path, name: str) -> Song:
-    """Return a song; InputError names the file, and the beat at fault."""
+    """Load a song; raise InputError with the file, and the faulty beat."""
     names.checked(name, "song")
     sound, beats = music / f"{name}.wav", music / f"{name}.json"
     if not sound.is_file():
@@ -48,7 +48,7 @@ def load(music: Path, name: str) -> Song:
 
 
 def parse(data: bytes, where: str) -> tuple[float, ...]:
-    """Return the beats that a file lists; raise InputError naming `where` and the beat at fault."""
+    """Parse a file of beats; raise InputError with `where` and the faulty beat."""
     try:
         beats = msgspec.json.decode(data, type=_Beats).times
     except UNREADABLE as err:

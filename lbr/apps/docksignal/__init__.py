@@ -1,4 +1,4 @@
-"""`docksignal left|right|power`: reports a beam of the dock, which another program has seen, to the robot.
+"""`docksignal left|right|power`: reports a beam of the dock that another program has received.
 
 For receivers that the kernel does not know: a daemon that runs a program on each code, a script, a person.
 """

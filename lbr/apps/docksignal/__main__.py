@@ -11,7 +11,7 @@ BEAMS = ("left", "right", "power")
 
 
 def signal(words: list[str]) -> DockHeard:
-    """Return the beams that the words name; InputError lists the allowed words."""
+    """Return the beams of these words; raise InputError with the allowed words."""
     beams = [word.removesuffix("_signal") for word in words]
     wrong = next((word for word, beam in zip(words, beams, strict=True) if beam not in BEAMS), None)
     if wrong is not None:
@@ -22,7 +22,7 @@ def signal(words: list[str]) -> DockHeard:
 
 
 def main() -> int:
-    """Tell the robot's capability `dock`."""
+    """Report the beams to the robot's capability `dock`."""
     message = signal(sys.argv[1:])
     with program.connected("docksignal") as robot:
         answers = wire.ask(robot.bus, keys.port(robot.name, "dock", "heard"), message, source=robot.source)

@@ -1,5 +1,4 @@
-"""The bridge as a process: listens, lets clients in, offers the robot's streams, and carries words to the
-robot."""
+"""The bridge as a process: it admits clients, offers the robot's streams, and passes words to the robot."""
 
 import sys
 from collections.abc import Mapping
@@ -71,7 +70,7 @@ _results = Decoder(ConsoleResult)
 
 
 class Goal(Struct):
-    """Motion with an end, which a word began: renewed until the end, as long as its client is connected."""
+    """Motion with an end, begun by a word: renewed until the end, while its client is connected."""
 
     viewer: Viewer
     holder: Holder
@@ -79,7 +78,7 @@ class Goal(Struct):
 
 
 class Door(BaseRoute):
-    """Lets clients of Foxglove in at any path; those that other paths are for ask by HTTP."""
+    """Admits clients of Foxglove at any path; other requests come by HTTP."""
 
     def __init__(self, bridge: "Foxglove", gate: Gate, viewers: Turns) -> None:
         self._bridge = bridge
@@ -87,7 +86,7 @@ class Door(BaseRoute):
         self._viewers = viewers
 
     def matches(self, scope: Scope) -> tuple[Match, Scope]:
-        """Say whether a WebSocket is asked for."""
+        """Return whether a request is for a WebSocket."""
         return (Match.FULL if scope["type"] == "websocket" else Match.NONE), {}
 
     async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -106,10 +105,8 @@ class Door(BaseRoute):
             await viewer.serve(web, receive, self._bridge.ctx.robot)
 
     async def _entry(self, scope: Scope) -> tuple[Client, bool]:
-        """Return the client, and whether cameras are for it; raise Refused.
-
-        A page of another origin acts by its token alone: that its browser is the owner's lets it look, and no more.
-        """
+        """Return the client, and whether it may watch cameras; raise Refused. A page of another origin has the rights
+        of its token alone: in the owner's browser it may look, and no more."""
         headers = headers_of(scope)
         self._gate.refuse_strangers(scope, headers)
         shown = shown_token(scope) or HTTPConnection(scope).query_params.get("token", "")
@@ -121,7 +118,7 @@ class Door(BaseRoute):
 
 
 class Foxglove(Capability[FoxgloveSettings]):
-    """Raises DeviceError while it cannot listen. The values of `sources` and `services` are replaced as a whole."""
+    """The bridge. Raises DeviceError if it cannot listen. `sources` and `services` are replaced as a whole."""
 
     rate_hz = 50.0
     woken_by_streams = False
@@ -197,7 +194,7 @@ class Foxglove(Capability[FoxgloveSettings]):
         self._report(listening_=False, reason=reason)
 
     def close(self) -> None:
-        """Stop serving, and what was moved in its clients' names."""
+        """Stop serving, and stop the motion of all clients."""
         self._bridge.close(ENDS)
         self._release(self._goals, ENDS)
         if self._serving is None:
@@ -205,11 +202,11 @@ class Foxglove(Capability[FoxgloveSettings]):
         self.api.release(ENDS)
         self._serving.stop()
         self._serving = None
-        self._bridge.close(ENDS)  # for what came meanwhile
+        self._bridge.close(ENDS)  # for requests that came meanwhile
         self.api.close()
 
     def shows(self, source: Source, client: Client, *, pictures: bool) -> bool:
-        """Return whether a client may subscribe to a channel: cameras are for known clients."""
+        """Return whether a client may subscribe to a channel; cameras need a known client."""
         return not source.picture or (pictures and client.may("view"))
 
     def report(self, kind: str, text: str) -> None:
@@ -246,7 +243,7 @@ class Foxglove(Capability[FoxgloveSettings]):
         return {"code": 0, "text": text, "data": result.data}
 
     def _keep(self, hold: Hold, viewer: Viewer, text: str) -> str:
-        """Renew a goal while its client is connected; motion without an end is over when it is not published."""
+        """Renew a goal while its client is connected; other motion ends unless the client publishes it."""
         if not hold.goal:
             return f"{text}; it is over in {hold.ttl_s:g} s: to drive, publish it (docs/foxglove.md)"
         at = {"motion": hold.key, **({"halt": hold.stop_key} if hold.stop_key else {})}
@@ -274,7 +271,7 @@ class Foxglove(Capability[FoxgloveSettings]):
         self._goals = [goal for goal in self._goals if goal.holder.asks]
 
     def _number(self, description: RobotDescription) -> None:
-        """Number channels and services anew. Each keeps its number, so that clients keep their subscriptions."""
+        """Number the channels and services of a new description; known ones keep their numbers and clients."""
         file = body_file(self.ctx.robot, Path(self.ctx.home))
         sensors = self.ctx.rows(RangeSensor)
         body = model(self.ctx.robot, file, self.ctx.rows(Joint), self.ctx.rows(Wheel), sensors)
@@ -348,7 +345,7 @@ class Foxglove(Capability[FoxgloveSettings]):
 
 
 async def _result(question: PendingQuery) -> ConsoleResult:
-    """Return the result of a line that succeeded; raise Refused for all others."""
+    """Return the result of a line; raise Refused if it failed."""
     await until(lambda: question.done or bool(question.replies))
     if not question.replies:
         raise Refused(503, f"the robot did not answer within {LINE_S:g} s", code="timeout")
@@ -363,7 +360,7 @@ async def _result(question: PendingQuery) -> ConsoleResult:
 
 
 def numbered(names: Mapping[str, object], before: Mapping[str, int]) -> dict[str, int]:
-    """Return a number for each name: its number of before, or a new one."""
+    """Number each name: its old number, or a new one."""
     next_ = max(before.values(), default=0) + 1
     added = [name for name in sorted(names) if name not in before]
     return {name: before[name] for name in names if name in before} | {

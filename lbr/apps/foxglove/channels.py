@@ -1,6 +1,6 @@
-"""The channels: one for each stream as it is, and more of Foxglove's own schemas, made of streams. Pure.
+"""The channels: one for each stream, and others in Foxglove's own schemas, made of streams. Pure.
 
-Topics are those of recordings, so that a layout shows both; what is made of streams is named beside them, or by an @.
+Topics are those of recordings, so that a layout shows both; made channels have a suffix, or begin with an @.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -23,14 +23,12 @@ M = TypeVar("M", bound=Struct)
 EVENT, STATUS = "@event", "@status"
 MODEL, TRANSFORMS, LOG = "@model", "@tf", "@events"
 Make = Callable[[Mapping[str, bytes], int], object]
-"""Makes the message of a channel of the newest samples of its streams and the time; MsgspecError for invalid ones."""
+"""Makes a channel's message of the newest samples of its streams and the time; MsgspecError for invalid samples."""
 
 
 class Source(Struct, frozen=True, kw_only=True):
-    """A channel and where it comes from: the streams that it is made of, and how; without `make` the one as it is.
-
-    A `picture` is of a camera. A `still` message goes to each subscriber, once.
-    """
+    """A channel, its streams, and the function that makes its message; without `make` the stream itself. `picture`: it
+    is a camera's. `still`: each subscriber receives it once."""
 
     channel: protocol.Channel
     streams: tuple[str, ...] = ()
@@ -63,7 +61,7 @@ def sources(description: RobotDescription, model: RobotModel, sensors: Sequence[
 
 
 def type_of(schema: Schema) -> str:
-    """Return the message type that a schema describes; empty where a program does not name it."""
+    """Return the message type of a schema; empty if a program does not name it."""
     return str(schema.get("title") or str(schema.get("$ref") or "").rpartition("/")[2])
 
 
@@ -125,7 +123,7 @@ def _own(
 
 
 def payload(source: Source, samples: Mapping[str, bytes], at_ns: int) -> bytes:
-    """Return the bytes of a message; MsgspecError if a sample is not a message of its type."""
+    """Encode a message; MsgspecError if a sample is not of its type."""
     if source.picture:
         key = source.streams[0]
         return msgspec.json.encode(schemas.image(samples[key], key.partition("/")[0], at_ns))

@@ -18,7 +18,7 @@ _ORIGIN = re.compile(r"[a-z][a-z0-9+.-]*://[^/?#\s@]*")
 class FoxgloveSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `foxglove`.
 
-    Where other machines reach it, it needs a token, and TLS unless `clear_text`. `cors`: origins whose pages may
+    Where other machines reach it, clients need a token, and TLS unless `clear_text`. `cors`: origins whose pages may
     connect; by default Foxglove's own.
     """
 
@@ -37,7 +37,7 @@ class FoxgloveSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     clients: Annotated[int, Meta(ge=1, le=16, description="connections at once")] = 8
 
     def __post_init__(self) -> None:
-        """Refuse what is no origin, and what contradicts itself."""
+        """Refuse bad origins, and settings that contradict each other."""
         for origin in self.cors:
             if origin != "null" and _ORIGIN.fullmatch(origin) is None:
                 raise ValueError(f"cors: '{origin}' is not an origin; origins look like https://app.foxglove.dev")

@@ -1,4 +1,7 @@
-"""A layout of Foxglove for a robot: its body, cameras, numbers, events, a stick and a stop, of what there is. Pure."""
+"""A layout of Foxglove for a robot: its body, cameras, numbers, events, a stick and a stop, as far as it has them.
+
+Pure.
+"""
 
 from collections.abc import Iterable, Mapping, Sequence
 
@@ -12,12 +15,12 @@ _NUMBERS = {
     "PowerState": ("voltage_v",),
     "AttitudeState": ("roll_rad", "pitch_rad"),
 }
-"""The plots of streams of these types."""
+"""The fields to plot, by stream type."""
 _MOST_CAMERAS = 3
 
 
 def layout(sources: Iterable[Source], services: Iterable[Service], *, drives: bool) -> dict[str, object]:
-    """Return a layout, as Foxglove imports it."""
+    """Return a layout in Foxglove's import format."""
     by_topic = {source.channel.topic: source for source in sources}
     shapes = [topic for topic, source in by_topic.items() if source.channel.schema_name in _IN_SPACE]
     panels: dict[str, dict[str, object]] = {}
@@ -66,7 +69,7 @@ def _paths(known: Mapping[str, Source]) -> list[dict[str, object]]:
 
 
 def _stick() -> dict[str, object]:
-    """Return a Teleop panel: it publishes ten times a second, since motion that is not renewed for 0.25 s is over."""
+    """Return a Teleop panel. It publishes at 10 Hz, since motion that is not renewed for 0.25 s ends."""
     return {
         "topic": "/cmd_vel",
         "publishRate": 10,

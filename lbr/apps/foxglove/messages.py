@@ -1,4 +1,4 @@
-"""Messages on `foxglove/*`: where Foxglove finds the robot, and how many look at it."""
+"""Messages on `foxglove/*`: the bridge's addresses and clients."""
 
 from msgspec import Struct
 

@@ -1,4 +1,4 @@
-"""The cameras that viewers watch, each subscribed to once. A camera without viewers has no subscription, and rests."""
+"""The cameras that viewers watch, each subscribed to once. A camera without viewers is not subscribed to, and rests."""
 
 from collections.abc import Callable, Iterable
 
@@ -9,7 +9,7 @@ from lbr.bus.wire import PolledSubscription
 
 
 class Pictures:
-    """The newest picture of each camera that is wanted; on the server's thread alone."""
+    """The newest picture of each watched camera; on the server's thread alone."""
 
     def __init__(self, bus: RobotBus, key: Callable[[str], str]) -> None:
         self._bus = bus
@@ -18,7 +18,7 @@ class Pictures:
         self._subscribed: dict[str, tuple[PolledSubscription, Sample | None]] = {}
 
     def want(self, viewer: object, names: Iterable[str]) -> None:
-        """Replace the cameras that a viewer watches; an empty list after it has left."""
+        """Replace the cameras that a viewer watches; with none it has left."""
         self._wanted[viewer] = frozenset(names)
         if not self._wanted[viewer]:
             del self._wanted[viewer]
@@ -29,7 +29,7 @@ class Pictures:
             self._subscribed[name] = self._bus.hear(self._key(name)), None
 
     def newest(self, name: str) -> Sample | None:
-        """Return the newest picture of a camera that is wanted, as its bytes."""
+        """Return the newest picture of a watched camera, as bytes."""
         if name not in self._subscribed:
             return None
         feed, newest = self._subscribed[name]

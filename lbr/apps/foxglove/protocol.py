@@ -1,4 +1,4 @@
-"""Foxglove's WebSocket protocol: frames of a client become messages, ours become frames. Pure.
+"""Foxglove's WebSocket protocol: parses a client's frames, and encodes the server's. Pure.
 
 https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md
 """
@@ -14,7 +14,7 @@ from lbr.errors import MalformedError
 from lbr.messages.plain import one_line
 
 PROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
-"""The newest first; their messages are the same here."""
+"""The newest version first; their messages are the same here."""
 MOST_LISTED = 256
 INFO, WARNING, ERROR = 0, 1, 2
 _MESSAGE, _SERVICE = 1, 3
@@ -28,7 +28,7 @@ Text = Annotated[str, Meta(max_length=200)]
 
 
 class Channel(Struct, frozen=True, kw_only=True, rename="camel"):
-    """A topic, and how its messages are written. JSON, with a JSON Schema, is all that is served here."""
+    """A topic and its encoding. The server has JSON only, with a JSON Schema."""
 
     id: Number
     topic: Text
@@ -48,14 +48,14 @@ class Published(Struct, frozen=True, kw_only=True, rename="camel"):
 
 
 class Subscription(Struct, frozen=True, kw_only=True, rename="camel"):
-    """The subscription of a client, and its own number for it."""
+    """A client's subscription, with the client's number for it."""
 
     id: Number
     channel_id: Number
 
 
 class Subscribe(Struct, frozen=True, tag_field="op", tag="subscribe"):
-    """Subscribe to these channels, too."""
+    """Add these subscriptions."""
 
     subscriptions: Annotated[tuple[Subscription, ...], Meta(max_length=MOST_LISTED)]
 
@@ -95,7 +95,7 @@ class ServiceCall(Struct, frozen=True):
 
 
 class Unknown(Struct, frozen=True):
-    """A message of a newer protocol, or of a part that is not served here."""
+    """A message of a newer protocol, or of an unsupported part."""
 
     op: str
 
@@ -111,7 +111,7 @@ _text = msgspec.json.Decoder(Subscribe | Unsubscribe | Advertise | Unadvertise)
 
 
 def parse(frame: str | bytes) -> Message:
-    """Return the message of a client: text is JSON, bytes are binary messages. Raise MalformedError, and nothing else."""
+    """Parse a frame: text is JSON, bytes are a binary message. Raise MalformedError, and nothing else."""
     try:
         return _binary(frame) if isinstance(frame, bytes) else _json(frame.encode("utf-8", "surrogatepass"))
     except RecursionError:
@@ -156,7 +156,7 @@ def advertise(channels: Iterable[Channel]) -> str:
 
 
 def unadvertise(ids: Iterable[int]) -> str:
-    """Take topics back."""
+    """Withdraw topics."""
     return _encoded("unadvertise", {"channelIds": list(ids)})
 
 
@@ -166,23 +166,22 @@ def advertise_services(services: Iterable[dict[str, object]]) -> str:
 
 
 def unadvertise_services(ids: Iterable[int]) -> str:
-    """Take services back."""
+    """Withdraw services."""
     return _encoded("unadvertiseServices", {"serviceIds": list(ids)})
 
 
 def status(level: int, text: str, about: str = "") -> str:
-    """Report a sentence that Foxglove shows among its problems; one about the same subject takes the place of the
-    last."""
+    """Report a sentence among Foxglove's problems; it replaces the last one with the same `about`."""
     return _encoded("status", {"level": level, "message": text, **({"id": about} if about else {})})
 
 
 def alive() -> str:
-    """Return a message without effect: while its acknowledgement is missing, the other end may be lost."""
+    """Return a message without effect, by whose acknowledgement the kernel finds a lost peer."""
     return _encoded("removeStatus", {"statusIds": ["alive"]})
 
 
 def failed(call: ServiceCall, why: str) -> str:
-    """Report why a service did nothing."""
+    """Report why a service failed."""
     return _encoded("serviceCallFailure", {"serviceId": call.service_id, "callId": call.call_id, "message": why})
 
 

@@ -1,4 +1,4 @@
-"""A body in space, as Foxglove draws it: its shapes on frames of their own, and where those frames are. Pure."""
+"""A body in space for Foxglove: its shapes on frames of their own, and the places of those frames. Pure."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -15,12 +15,12 @@ _EMPTY: tuple[str, ...] = (
 
 
 def stamp(at_ns: int) -> dict[str, int]:
-    """Return a time as JSON messages of Foxglove have it."""
+    """Return a time in the form of Foxglove's JSON messages."""
     return {"sec": at_ns // 1_000_000_000, "nsec": at_ns % 1_000_000_000}
 
 
 def scene(model: RobotModel, at_ns: int) -> dict[str, object]:
-    """Return a SceneUpdate that draws a body, each link on the frame of its name; it stays until another comes."""
+    """Return a SceneUpdate that draws a body, each link on the frame of its name; it stays until the next one."""
     drawn = [_entity(link, at_ns) for link in model.links if link.shapes]
     return {"deletions": [{"timestamp": stamp(at_ns), "type": 1, "id": ""}], "entities": drawn}
 
@@ -32,7 +32,7 @@ def transforms(
     attitude: AttitudeState | None,
     at_ns: int,
 ) -> dict[str, object]:
-    """Return FrameTransforms: the base in the world, by odometry or else by attitude, and each link in its parent."""
+    """Return FrameTransforms: the base in the world, by odometry or else attitude, and each link in its parent."""
     made = [_transform(WORLD, BASE, base(odometry, attitude), at_ns)]
     known = {link.name for link in model.links}
     for link in model.links:
@@ -47,7 +47,7 @@ def frame(link: str) -> str:
 
 
 def base(odometry: OdometryState | None, attitude: AttitudeState | None) -> Place:
-    """Return where the base is, as far as that is known."""
+    """Return the known place of the base."""
     if odometry is not None and odometry.x_m is not None and odometry.y_m is not None:
         return Place((odometry.x_m, odometry.y_m, 0.0), turning.about((0.0, 0.0, 1.0), odometry.yaw_rad or 0.0))
     if attitude is not None and attitude.valid and attitude.orientation is not None:
@@ -57,7 +57,7 @@ def base(odometry: OdometryState | None, attitude: AttitudeState | None) -> Plac
 
 
 def placed(link: Link, value: float, model: RobotModel) -> Place:
-    """Return where a link lies in its parent, its joint at a value."""
+    """Return the place of a link in its parent, with its joint at a value."""
     at = Place(link.origin_xyz, turning.by_euler(link.origin_rpy, "XYZ"))
     if not link.joint or not value:
         return at
@@ -74,7 +74,7 @@ def pose(at: Place) -> dict[str, object]:
 
 
 def entity(name: str, on: str, at_ns: int, **shapes: object) -> dict[str, object]:
-    """Return a SceneEntity on a frame; it moves with it."""
+    """Return a SceneEntity that moves with a frame."""
     return {
         "timestamp": stamp(at_ns),
         "frame_id": on,

@@ -101,7 +101,7 @@ def position(odometry: OdometryState, at_ns: int) -> dict[str, object]:
 
 
 def laser(scan: Scan, sensor: RangeSensor | None, at_ns: int) -> dict[str, object]:
-    """Return a LaserScan; what was not measured, or is too near, is 0, which draws nothing at its place."""
+    """Return a LaserScan; rays without a measurement, or too near, are 0, which draws nothing."""
     metres = scan.metres()
     return {
         "timestamp": stamp(at_ns),
@@ -115,7 +115,7 @@ def laser(scan: Scan, sensor: RangeSensor | None, at_ns: int) -> dict[str, objec
 
 
 def rays(ranges: Ranges, sensors: Sequence[RangeSensor], at_ns: int) -> dict[str, object]:
-    """Return a SceneUpdate with a line for each sensor that has read something, red where that is near."""
+    """Return a SceneUpdate with a line for each sensor that measures something; red if it is near."""
     drawn = []
     for sensor in sensors:
         metres = ranges.metres(sensor.name) if sensor.rays == 1 else None

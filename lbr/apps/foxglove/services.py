@@ -20,7 +20,7 @@ _RESPONSE = {
 
 
 class Service(Struct, frozen=True, kw_only=True):
-    """A word with the fixed parts of its pattern (`torque/on`), and all ways to write it: patterns and their fields.
+    """A word with the fixed parts of its pattern (`torque/on`); `ways` are its patterns and their fields.
 
     An `external` line has blanks between its words.
     """
@@ -33,7 +33,7 @@ class Service(Struct, frozen=True, kw_only=True):
     choices: Mapping[str, tuple[str, ...]] = {}
 
     def line(self, given: Mapping[str, object]) -> str:
-        """Return the console line with these fields; InputError names the fields that do not fit."""
+        """Return the console line with these fields; raise InputError for fields that do not fit."""
         given_values = {name: _value(name, value) for name, value in given.items() if value is not None and value != ""}
         for pattern, fields in self.ways:
             if set(fields) == set(given_values):
@@ -44,7 +44,7 @@ class Service(Struct, frozen=True, kw_only=True):
 
 
 def services(words: Iterable[Mapping[str, object]]) -> tuple[Service, ...]:
-    """Return a service for each word of the robot; `stop` and `estop` always."""
+    """Return a service for each word of the robot, and always for `stop` and `estop`."""
     found: dict[str, list[Mapping[str, object]]] = {}
     for entry in words:
         found.setdefault(_name(entry), []).append(entry)
@@ -78,7 +78,7 @@ def advertisement(number: int, service: Service) -> dict[str, object]:
 
 
 def read(payload: bytes) -> dict[str, object]:
-    """Return the fields of a request; InputError names the problem."""
+    """Decode the fields of a request; raise InputError for others."""
     try:
         fields = decode_request(payload or b"{}")
     except MalformedError as err:
@@ -89,7 +89,7 @@ def read(payload: bytes) -> dict[str, object]:
 
 
 def _name(entry: Mapping[str, object]) -> str:
-    """Return the fixed parts of a word's pattern, so that each of its meanings is a service of its own."""
+    """Return the fixed parts of a word's pattern, so that each of its meanings is its own service."""
     fast = _PLACE.sub(" ", str(entry.get("pattern") or entry.get("word", "")))
     return "/".join(fast.replace("/", " ").split())
 
@@ -113,7 +113,7 @@ def _service(word: str, entries: list[Mapping[str, object]]) -> Service:
 
 
 def _filled(pattern: str, values: Sequence[str]) -> str:
-    """Return a pattern with its places filled in their order: they are named by the message, and fields for people."""
+    """Fill the places of a pattern in sequence: they have the names of the message, the fields those for people."""
     left = iter(values)
     return _PLACE.sub(lambda _place: next(left, ""), pattern)
 

@@ -1,8 +1,8 @@
-"""One client of Foxglove's protocol: its streams, its services, and its hand on the robot; on the server's thread.
+"""One client of Foxglove's protocol: its streams, services and motion; on the server's thread.
 
-subscribe ──► streams, newest first ──► messages        a slow reader gets what is newer, and a dead one is cut
-service ──► a console line, with the client's role ──► its answer; a goal goes on while the connection stands
-publish ──► a hand (lbr.apps.web.api.holds) ──► a lease, renewed while the client goes on publishing
+- subscribe: the newest messages of streams; a slow reader misses some, and a dead one is disconnected
+- service: a console line with the client's role, and its answer; a goal goes on while the connection stands
+- publish: a hand (`lbr.apps.web.api.holds`) with a lease, renewed while the client publishes
 """
 
 import asyncio
@@ -39,10 +39,10 @@ STALLED, TALKS = 1013, 1008
 MESSAGES_HZ, MESSAGES_AT_ONCE = 150.0, 300.0
 MOST_CALLS, MOST_NEWS = 8, 256
 RESTED_S = 1.0
-"""Motion that is published after a longer silence begins anew. An earlier one continues the last: a network that holds
-messages up for a moment is nobody's rest. Chosen: longer than a wireless network is usually silent."""
+"""The silence after which published motion begins anew. A network's delay is not a release, so it is longer than a
+wireless network is usually silent."""
 LOST_MS = 1500
-"""Data that is not acknowledged for so long ends the connection: the other machine is gone, or its cable."""
+"""Data without acknowledgement for so long ends the connection: the other machine, or its cable, is gone."""
 ALIVE_S = 0.25
 LAST_MESSAGES_S = 0.2
 NOTHING_MOVES = 1e-6
@@ -50,7 +50,7 @@ _encode = msgspec.json.Encoder().encode
 
 
 class Served(Protocol):
-    """The sources of a client."""
+    """The sources of a client's data."""
 
     api: Api
     pictures: Pictures
@@ -63,7 +63,7 @@ class Served(Protocol):
         """The streams, received once for all clients."""
 
     async def run_service(self, service: Service, line: str, viewer: "Viewer") -> object:
-        """Run the line of a service in the name of a client; raise Refused."""
+        """Run a service's line in the name of a client; raise Refused."""
 
     def shows(self, source: Source, client: Client, *, pictures: bool) -> bool:
         """Return whether a client may subscribe to a channel."""
@@ -73,7 +73,7 @@ class Served(Protocol):
 
 
 class Viewer:
-    """A client that is connected. `gone` is read by the capability's loop."""
+    """A connected client. The capability's loop reads `gone`."""
 
     def __init__(self, served: Served, client: Client, rate_hz: float, *, pictures: bool) -> None:
         self.client = client
@@ -100,7 +100,7 @@ class Viewer:
         self._rate = Bucket(MESSAGES_HZ, self._loop.time(), MESSAGES_AT_ONCE)
 
     async def serve(self, web: WebSocket, receive: Receive, name: str) -> None:
-        """Serve until the client leaves, reads nothing or sends too much, or the server ends."""
+        """Serve until the client leaves, stalls or sends too much, or the server ends."""
         bound_silence(web)
         publishes = self.client.may("operate")
         self._news.append(protocol.server_info(name, self._served.session, publishes=publishes))
@@ -110,7 +110,7 @@ class Viewer:
             code, why = await self._send_all(web, receiving)
         finally:
             self._leave()
-            await asyncio.wait((receiving,), timeout=LAST_MESSAGES_S)  # a stop may be among what came before it left
+            await asyncio.wait((receiving,), timeout=LAST_MESSAGES_S)  # the last messages may contain a stop
             receiving.cancel()
             with suppress(asyncio.CancelledError):
                 await receiving
@@ -153,7 +153,7 @@ class Viewer:
         return (TALKS, why) if (why := receiving.result()) else (0, "")
 
     def _advertise_changes(self) -> None:
-        """Advertise channels and services that were added, and take back those that were removed."""
+        """Advertise new channels and services, and withdraw removed ones."""
         served = self._served
         if self._advertised is served.sources:
             return
@@ -186,7 +186,7 @@ class Viewer:
         self._watch(frozenset(key for source in wanted if source.picture for key in source.streams))
 
     def _watch(self, cameras: frozenset[str]) -> None:
-        """Watch these cameras, and publish an event for each that is new or no longer watched."""
+        """Watch these cameras, and publish an event for each change."""
         for key in sorted(cameras ^ self._watched):
             more = "" if key in cameras else " no more"
             self._served.report("watched", f"{self.client} watches {key.partition('/')[0]}{more}, in Foxglove")
@@ -229,7 +229,7 @@ class Viewer:
     # Messages of the client.
 
     async def _receive_all(self, receive: Receive) -> str:
-        """Handle a client's messages until it leaves; return the reason to end the connection, or an empty text."""
+        """Handle a client's messages until it leaves; return the reason to close the connection, or an empty text."""
         while True:
             message: Message = await receive()
             if message["type"] == "websocket.disconnect":
@@ -239,7 +239,7 @@ class Viewer:
             text, data = message.get("text"), message.get("bytes")
             try:
                 request = protocol.parse(text if text is not None else data or b"")
-                if not self.gone or isinstance(request, protocol.ServiceCall):  # stops count after the end, too
+                if not self.gone or isinstance(request, protocol.ServiceCall):  # stops count even after the end
                     self._handle(request)
             except MalformedError as err:
                 self._hand.release()  # the message may have been a release
@@ -358,7 +358,7 @@ class Viewer:
         self._woken.set()
 
     def _report_hold(self, news: HoldNews) -> None:
-        """Report why motion is not held; called by the capability's loop."""
+        """Report why motion is not held; called from the capability's loop."""
         if news.holds or not news.reason:
             return
         held = f" (held by {news.holder})" if news.holder else ""
@@ -369,9 +369,9 @@ class Viewer:
 
 
 def motion(channel: protocol.Published, payload: bytes, api: Api) -> tuple[str, dict[str, object]] | None:
-    """Return the command that a published message holds and its fields; None for standing still.
+    """Return the command and fields of a published message; None for a Twist that stands still.
 
-    A Twist, as a Teleop panel publishes it, goes to the base; what is published on a command's own topic goes there.
+    A Twist, as a Teleop panel publishes it, is for the base; a message on a command's own topic is for that command.
     """
     try:
         fields = decode_request(payload)
@@ -410,7 +410,7 @@ def _part(said: object, vector: str, axis: str) -> float:
 
 
 def bound_silence(web: WebSocket) -> None:
-    """Have the kernel end a connection whose other end acknowledges nothing any more."""
+    """Let the kernel end a connection without acknowledgements from its other end."""
     connection = connection_of(web.scope)
     sock = connection.transport.get_extra_info("socket") if connection is not None else None
     if sock is not None:

@@ -1,2 +1,1 @@
-"""The common part of the robot's HTTP servers: where they listen, the bounds of a connection, and the names by which
-they are asked."""
+"""The common part of the robot's HTTP servers: listening sockets, bounds of connections, and names of the machine."""

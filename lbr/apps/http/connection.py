@@ -20,14 +20,17 @@ from lbr.apps.http.slots import Phase, Slot, Slots
 
 LARGEST_HEAD = 16 * 1024
 LARGEST_BODY = 512 * 1024
-"""Bytes of a body. The unread buffer (64 KiB) plus one read (256 KiB) is less, so that the app can answer before."""
+"""The most bytes of a body.
+
+The unread buffer (64 KiB) plus one read (256 KiB) is less, so that the app can answer before.
+"""
 MOST_HELD = 64 * 1024
 MOST_UNREAD = 16 * 1024 * 1024
-"""Bytes that are discarded after an answer, so that the sender reads the answer and not a reset."""
+"""The most bytes to discard after an answer, so that the sender reads the answer and not a reset."""
 MOST_PIECES = 256
-"""Pieces of a body. Pieces of one byte would keep the thread busy: 43,000 fit into one read and took 0.2 s."""
+"""The most pieces of a body. Pieces of one byte would block the thread: 43,000 fit into one read and took 0.2 s."""
 MOST_VIEWER_BYTES = 32 * 1024
-"""Bytes that a viewer may send in a second, with its pings; a browser sends six bytes in ten seconds."""
+"""The most bytes that a viewer may send in a second, pings included; a browser sends six bytes in ten seconds."""
 GOING_AWAY = 1001
 BAD_REQUEST = b"Invalid HTTP request received."
 CLOSE = (b"connection", b"close")

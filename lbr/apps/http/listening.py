@@ -1,4 +1,4 @@
-"""Sockets that listen, and the robot's certificate."""
+"""Listening sockets, and the robot's certificate."""
 
 import errno
 import socket
@@ -11,17 +11,16 @@ from lbr.errors import InputError
 BUFFER_BYTES = 64 * 1024
 BACKLOG = 256
 BESIDE = {"0.0.0.0": "::1", "127.0.0.1": "::1", "::1": "127.0.0.1"}  # noqa: S104 - compared
-"""This machine's other address, for those that lead to it by one family alone."""
+"""For each address of one family, the loopback address of the other."""
 TRIES = 20
-"""For a port that the kernel chooses: it is free by IPv4, and mostly by IPv6."""
+"""The tries for a port of the kernel's choice, which is free by IPv4, and mostly by IPv6."""
 
 
 def listen(host: str, port: int) -> list[socket.socket]:
-    """Return listening sockets whose connections hold little; InputError names the fault of the address.
+    """Return listening sockets with small buffers; raise InputError for a bad address.
 
-    One is at the address. Where that leads to this machine by IPv4 or IPv6 alone, another is at the loopback of the
-    other: browsers take `localhost` for both, and what another user of this machine served there would be of our own
-    origin.
+    The first is at the address. If that reaches this machine by only IPv4 or IPv6, a second is at the other loopback.
+    Browsers try both for `localhost`, and another user's server at the free one would have this server's origin.
     """
     for _ in range(TRIES):
         sockets = [_listen(host, port)]
@@ -39,7 +38,7 @@ def listen(host: str, port: int) -> list[socket.socket]:
 
 
 def is_here(address: str) -> bool:
-    """Return whether this machine has an address; a loopback's it lacks without that family of addresses."""
+    """Return whether this machine has an address; a loopback address is missing without its family."""
     try:
         with socket.socket(socket.AF_INET6 if ":" in address else socket.AF_INET, socket.SOCK_STREAM) as probe:
             probe.bind((address, 0))
@@ -51,10 +50,10 @@ def is_here(address: str) -> bool:
 def _listen(host: str, port: int) -> socket.socket:
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
-    except (OSError, UnicodeError) as err:  # the latter for what no name of a machine may have in it
+    except (OSError, UnicodeError) as err:  # UnicodeError: characters that no host name has
         why = getattr(err, "strerror", "") or "no machine is called so"
         raise InputError(f"'{host[:80]}' is not an address of this machine: {why}") from err
-    listening = socket.socket(family, kind, protocol)  # asyncio sends at once only what it knows to be TCP
+    listening = socket.socket(family, kind, protocol)  # only with the protocol set does asyncio disable Nagle's delay
     try:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER_BYTES)
@@ -69,13 +68,12 @@ def _listen(host: str, port: int) -> socket.socket:
 
 
 def is_loopback(listening: socket.socket) -> bool:
-    """Return whether only this machine reaches a socket."""
+    """Return whether a socket is reachable from this machine only."""
     return names.is_loopback(listening.getsockname()[0])
 
 
 def certificate() -> tuple[str, str]:
-    """Return the files of the private key and certificate that browsers are shown; the robot's are made on first
-    use."""
+    """Return the files of private key and certificate for browsers; the robot's own are made on first use."""
     key, public = home.given_credentials(*certificates.OWN_FILES) or home.credentials(
         certificates.self_signed, *certificates.FILES
     )

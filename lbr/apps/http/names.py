@@ -1,4 +1,7 @@
-"""By which names a machine may be asked, and which of them only it can mean. Pure, but for the machine's own name."""
+"""The names by which clients may address a machine, and which of them are sure to mean it.
+
+Pure, but for the host name.
+"""
 
 import hashlib
 import ipaddress
@@ -15,13 +18,13 @@ EVERYWHERE = ("0.0.0.0", "::")  # noqa: S104 - compared, not bound
 
 
 def origin(host: str, port: int, *, tls: bool = True) -> str:
-    """Return the address for browsers: the machine's name stands for all of its addresses."""
+    """Return the URL for browsers; if the server listens everywhere, it has the machine's name."""
     name = socket.gethostname() if host in EVERYWHERE else host
     return f"{'https' if tls else 'http'}://{f'[{name}]' if ':' in name else name}:{port}"
 
 
 def parsed(host: str) -> tuple[str, int | None] | None:
-    """Return name and port of a Host header, in small letters and without brackets; None for what is no host."""
+    """Return name and port of a Host header, in lower case and without brackets; None for an invalid one."""
     match = _HOST.fullmatch(host)
     if match is None:
         return None
@@ -32,9 +35,8 @@ def parsed(host: str) -> tuple[str, int | None] | None:
 def is_ours(host: str, names: AbstractSet[str] = frozenset(), *, loopback: bool = False) -> bool:
     """Return whether a Host header means this machine: an address, its own name, or one of `names`.
 
-    `loopback`: the request comes from this machine. Then only names of the loopback count, besides `names`: what
-    browsers say of a page that asks is certain for those alone. A foreign page whose name was made to lead here shows
-    that name.
+    `loopback`: the request comes from this machine. Then only names of the loopback count, besides `names`. A foreign
+    page whose name was made to resolve to this machine shows that name, and only loopback names exclude this.
     """
     found = parsed(host)
     if found is None:
@@ -55,30 +57,30 @@ def is_ours(host: str, names: AbstractSet[str] = frozenset(), *, loopback: bool 
 
 
 def means_loopback(host: str) -> bool:
-    """Return whether a Host header names the loopback and nothing else."""
+    """Return whether a Host header can only mean the loopback."""
     found = parsed(host)
     return found is not None and (found[0] == "localhost" or is_loopback(found[0]))
 
 
 def is_loopback(address: str) -> bool:
-    """Return whether an address is of this machine's loopback; an IPv4 address may be written as IPv6."""
+    """Return whether an address is a loopback address; an IPv4 address may be written as IPv6."""
     ip = plain(address)
     return ip is not None and ip.is_loopback
 
 
 def is_local(host: str) -> bool:
-    """Return whether only this machine reaches who listens at an address."""
+    """Return whether a server at this address is reachable from this machine only."""
     return host == "localhost" or is_loopback(host)
 
 
 def peer_name(address: str) -> str:
-    """Return the name by which a peer's requests are counted: its address, or "this machine" for the loopback's."""
+    """Return the name by which a peer's requests are counted: its address, or "this machine" for the loopback."""
     ip = plain(address)
     return address if ip is None else "this machine" if ip.is_loopback else str(ip)
 
 
 def plain(address: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
-    """Return an address without zone, and as IPv4 where it is that; None for what is not an address."""
+    """Return an address without zone, a mapped one as IPv4; None if it is not an address."""
     try:
         ip = ipaddress.ip_address(address.partition("%")[0])
     except ValueError:
@@ -89,7 +91,7 @@ def plain(address: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
 
 @cache
 def announced() -> str:
-    """Return this machine's name in multicast DNS, which is made from the address of its network card."""
+    """Return this machine's name in multicast DNS, made of its network card's address."""
     mark = hashlib.blake2b(uuid.getnode().to_bytes(8, "big"), digest_size=2).hexdigest()
     return f"lbr-{mark}.local"
 
@@ -101,7 +103,7 @@ def _own() -> frozenset[str]:
 
 
 def _is_unspecified(address: ipaddress.IPv4Address | ipaddress.IPv6Address) -> bool:
-    """Return whether an address stands for no machine: browsers on some systems reach their own by it."""
+    """Return whether an address means no certain machine; on some systems browsers reach their own by it."""
     mapped = address.ipv4_mapped if isinstance(address, ipaddress.IPv6Address) else None
     return mapped is not None or address.is_unspecified or address in _THIS_NETWORK
 

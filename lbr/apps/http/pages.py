@@ -1,4 +1,4 @@
-"""Which pages of browsers may ask, by what browsers say of them. Pure."""
+"""The pages whose requests are allowed, by the headers that browsers send. Pure."""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -11,21 +11,21 @@ _PURPOSES = ("sec-purpose", "purpose", "x-purpose", "x-moz")
 
 
 class Pages:
-    """Which pages' scripts may ask: our own, and those of the origins in the row."""
+    """The pages whose scripts may send requests: the server's own, and those of the row's origins."""
 
     def __init__(self, cors: Iterable[str] = ()) -> None:
         self._allowed = frozenset(cors)
 
     def allows(self, origin: str) -> bool:
-        """Return whether an origin is among those of the row."""
+        """Return whether an origin is among the row's."""
         return ANY in self._allowed or origin in self._allowed
 
     def stranger(self, headers: Mapping[str, str], scheme: str) -> str:
-        """Return the foreign page that makes a browser ask this; empty for our own, allowed ones, and unknown ones.
+        """Return the foreign page behind a request; empty for own pages, allowed pages, and unknown senders.
 
-        Browsers send `Origin` with what scripts ask and with every method but GET and HEAD, and `Sec-Fetch-Site` with
-        everything, links and pictures too, where the address is https or of the loopback. Elsewhere a page that leaves
-        out the referrer says nothing: see `proven`.
+        Browsers send `Origin` with the requests of scripts, and with every method but GET and HEAD. If the address is
+        https or of the loopback, they send `Sec-Fetch-Site` with every request, links and pictures included. Elsewhere
+        a page without referrer is unknown: see `proven`.
         """
         if ANY in self._allowed:
             return ""
@@ -41,10 +41,9 @@ class Pages:
         return "" if site in {"", *_OWN} else "another page"
 
     def proven(self, headers: Mapping[str, str]) -> bool:
-        """Say whether what is said proves that no foreign page asks, of a request that `stranger` has nothing against.
+        """Return whether the headers prove that no foreign page sent a request which `stranger` admits.
 
-        No page can make a browser send these headers with other values than are true; one that is missing proves
-        nothing.
+        No page can make a browser send false values of these headers; a missing header proves nothing.
         """
         return (
             ANY in self._allowed
@@ -55,12 +54,12 @@ class Pages:
 
 
 def is_visit(headers: Mapping[str, str]) -> bool:
-    """Return whether a user follows a link to a page, so that the page that has the link learns nothing."""
+    """Return whether a user follows a link, whose page cannot read the answer."""
     return "origin" not in headers and headers.get("sec-fetch-mode", "navigate") == "navigate"
 
 
 def is_ahead(headers: Mapping[str, str]) -> bool:
-    """Say whether a browser only guesses that its user may go there, as with an address that is still being typed."""
+    """Return whether a browser loads ahead of its user, as for an address that is still being typed."""
     return any(_AHEAD.search(headers.get(one, "")) for one in _PURPOSES)
 
 

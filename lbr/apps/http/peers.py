@@ -1,7 +1,6 @@
-"""Tells who is at the other end of a connection within this machine, by what the kernel says of its socket. Linux only.
+"""Identifies the program at the other end of a connection within this machine, from the kernel's tables. Linux only.
 
-A program that passes on what others ask, a tunnel or a proxy, is itself at that end: `is_relayed` knows those that say
-so.
+A tunnel or a proxy is itself that program. `is_relayed` recognises those that mark the requests they pass on.
 """
 
 import os
@@ -54,14 +53,15 @@ _PASSED_ON_BY = frozenset(
     ]
 )
 _PASSED_ON_WHOLE = frozenset({"x-host", "x-proto", "x-scheme", "x-http-host-override"})
-"""The headers of proxies and tunnels, by the words of their names. Neither browsers nor programs that ask for
-themselves send such: what is not here is a proxy that leaves no trace."""
+"""The headers of proxies and tunnels, by the words of their names. Browsers and other clients do not send them. A proxy
+without any of them leaves no trace.
+"""
 
 
 def is_relayed(headers: Mapping[str, str], port: int) -> bool:
-    """Return whether a request came by a proxy or a tunnel: by a header of those, or to another port or name than ours.
+    """Return whether a request came by a proxy or tunnel: it has such a header, or names another port.
 
-    A relay that leaves no trace of passing requests on counts as the asker.
+    A relay that leaves no trace counts as the client.
     """
     if any(_names_a_relay(name) for name in headers):
         return True
@@ -76,9 +76,9 @@ def _names_a_relay(header: str) -> bool:
 
 
 def whose(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Path] = TABLES) -> str | None:
-    """Return whose program is at the other end: a user of this machine's, or empty for another machine's; reads files.
+    """Return the user of the program at the other end, empty on another machine; None if the kernel does not know.
 
-    None where it is of this machine and the kernel does not say whose.
+    Reads files.
     """
     ip = names.plain(client[0])
     if ip is None or not listening.is_here(str(ip) if "%" not in client[0] else client[0]):
@@ -93,8 +93,7 @@ def is_own(user: str | None) -> bool:
 
 
 def is_held(connection: socket.socket) -> bool:
-    """Return whether a connection stands: until then no other can have its ports, and what was looked up by them is of
-    it."""
+    """Return whether a connection stands. While it does, no other has its ports, so a lookup by ports is of it."""
     try:
         connection.getpeername()
     except OSError:
@@ -103,7 +102,7 @@ def is_held(connection: socket.socket) -> bool:
 
 
 def uid_of(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Path] = TABLES) -> int | None:
-    """Return the user of the socket at the other end; None if the kernel does not know, or it is closed."""
+    """Return the user of the socket at the other end; None if the kernel does not know it, or it is closed."""
     wanted = {
         (_kernel_form(client, family), _kernel_form(server, family)) for family in (socket.AF_INET, socket.AF_INET6)
     }
@@ -120,7 +119,7 @@ def uid_of(client: tuple[str, int], server: tuple[str, int], tables: Iterable[Pa
 
 
 def _kernel_form(end: tuple[str, int], family: int) -> str:
-    """Return an address and port as the kernel's tables have them; empty if the family has no such address."""
+    """Return an address and port in the form of the kernel's tables; empty if the family has no such address."""
     ip = names.plain(end[0])
     if ip is None or (family == socket.AF_INET and ip.version != 4):
         return ""

@@ -1,4 +1,4 @@
-"""Limits how often each client may ask."""
+"""Limits the rate of each client's requests."""
 
 from collections import OrderedDict
 
@@ -6,7 +6,7 @@ MOST_KNOWN = 1024
 
 
 class Bucket:
-    """Lets pass this many a second, and `at_once` a quarter of a second's worth, or as many as are given."""
+    """A token bucket: so many a second, and `at_once` by default a quarter of a second's worth."""
 
     def __init__(self, rate_hz: float, now: float, at_once: float = 0.0) -> None:
         self._rate_hz = rate_hz
@@ -14,7 +14,7 @@ class Bucket:
         self._at = now
 
     def take(self, now: float) -> bool:
-        """Take one, if there is one."""
+        """Take a token; return False without one."""
         self._tokens = min(self._most, self._tokens + (now - self._at) * self._rate_hz)
         self._at = now
         if not self._tokens >= 1.0:
@@ -24,7 +24,7 @@ class Bucket:
 
 
 class Rates:
-    """A bucket for each of the newest who asked."""
+    """A bucket for each of the newest clients."""
 
     def __init__(self, rate_hz: float) -> None:
         self._rate_hz = rate_hz

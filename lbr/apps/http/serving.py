@@ -1,5 +1,4 @@
-"""uvicorn as the robot's servers use it: nothing about strangers in the log, every connection in a slot, late ones
-cut."""
+"""uvicorn for the robot's servers: no strangers in the log, every connection in a slot, and late ones cut."""
 
 import asyncio
 import logging
@@ -24,14 +23,14 @@ PING_S, PONG_S = 10.0, 10.0
 GRACE_S = 1
 FAREWELL_S = 0.1
 TLS_HANDSHAKE = b"\x16"
-"""A client's first byte where it speaks TLS (RFC 8446, 5.1); no method of HTTP begins so."""
+"""The first byte of a TLS client (RFC 8446, 5.1); no HTTP method begins with it."""
 
 
 class Server(uvicorn.Server):
     """A server of an app. Every connection has one of the `slots` from the first packet on.
 
     - `sockets`: it accepts WebSockets.
-    - `tls`: it speaks TLS, and redirects plain HTTP to https.
+    - `tls`: it serves HTTPS, and redirects plain HTTP to it.
     - `plain_here`: it answers plain HTTP from this machine nevertheless.
     """
 
@@ -72,7 +71,7 @@ class Server(uvicorn.Server):
         self._look()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """End what is open, in order where it can be."""
+        """Close all connections, WebSockets with a reason."""
         if self._looking is not None:
             self._looking.cancel()
         for task in self._greeting:
@@ -83,7 +82,7 @@ class Server(uvicorn.Server):
         await super().shutdown(sockets)
 
     def admit(self, transport: asyncio.Transport) -> None:
-        """Take a new connection in, and cut another for it if need be."""
+        """Admit a new connection, and cut another for it if need be."""
         peer = transport.get_extra_info("peername")
         slot = Slot(
             names.peer_name(str(peer[0]) if peer else ""), transport.abort, transport.is_closing, time.monotonic()
@@ -139,7 +138,7 @@ class Server(uvicorn.Server):
 
 
 class _Door(asyncio.Protocol):
-    """A connection before it is let in; `begun` is set once it sends, or is over."""
+    """A connection before it is admitted; `begun` is set once it sends, or is lost."""
 
     def __init__(self, admit: Callable[[asyncio.Transport], None]) -> None:
         self.begun = asyncio.Event()
@@ -149,13 +148,13 @@ class _Door(asyncio.Protocol):
         self._admit(cast("asyncio.Transport", transport))
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Let nobody wait for it."""
+        """End the wait for its first byte."""
         del exc
         self.begun.set()
 
 
 async def _first_byte(transport: asyncio.Transport) -> bytes:
-    """Return what a connection begins with, unread; empty if it ends before."""
+    """Return the first byte of a connection without reading it; empty if it ends before."""
     loop, door = asyncio.get_running_loop(), cast("_Door", transport.get_protocol())
     with socket.socket(fileno=os.dup(transport.get_extra_info("socket").fileno())) as peeked:
         loop.add_reader(peeked, door.begun.set)

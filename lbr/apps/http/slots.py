@@ -1,7 +1,7 @@
-"""Decides which connections are held, and which is cut when there are too many or it takes too long. Pure.
+"""Decides which connections to hold, and which to cut when they are too many or too slow. Pure.
 
-A connection is always let in: what it wants is known only once its head is read, and it may be a stop. A connection
-that asks nothing yet, or has waited longest, makes room for it.
+A new connection is always admitted: its request is known only once its head is read, and it may be a stop. A connection
+that requests nothing yet, or has waited longest, makes room for it.
 """
 
 from collections import Counter
@@ -11,7 +11,7 @@ from typing import Literal
 
 Phase = Literal["greeting", "idle", "head", "asking", "stopping", "watching", "leaving"]
 MOST = 128
-"""All connections but those that watch; each holds some 20 kB, with a head that is not whole 16 more."""
+"""The most connections, viewers excluded; each takes some 20 kB, with an incomplete head 16 more."""
 LIMIT_S: dict[Phase, float] = {
     "greeting": 2.0,  # TLS; 0.3 s over a slow radio
     "head": 2.0,
@@ -26,9 +26,9 @@ _CUT_FIRST: tuple[frozenset[Phase], ...] = (frozenset({"leaving"}), _WAITS, froz
 
 @dataclass(eq=False, slots=True)
 class Slot:
-    """A connection of `peer`: its phase and since when, how to end it at once, and whether it is being ended.
+    """A connection of `peer`: its phase and since when, how to abort it, and whether it is closing.
 
-    `watching` is what goes on by itself, and is bounded elsewhere.
+    A `watching` connection goes on by itself, and is bounded elsewhere.
     """
 
     peer: str
@@ -49,7 +49,7 @@ class Slots:
         return len(self._held)
 
     def enter(self, slot: Slot) -> Slot | None:
-        """Add a connection; return the one that has to end for it."""
+        """Add a connection; return the one to cut for it, or None."""
         bounded = [one for one in self._held if one.phase != "watching"]
         self._held[slot] = None
         if len(bounded) < self._most:
@@ -63,7 +63,7 @@ class Slots:
         self._held.pop(slot, None)
 
     def to(self, slot: Slot, phase: Phase, now: float) -> None:
-        """Note what a connection does from now on."""
+        """Note a connection's phase."""
         if slot.phase != phase:
             slot.phase, slot.since = phase, now
 
@@ -79,7 +79,7 @@ class Slots:
 
 
 def _victim(held: list[Slot]) -> Slot:
-    """Return the oldest of the least important ones, of the peer with most of these; stops are cut last."""
+    """Return the oldest of the least important connections, of the peer with most of these; stops are cut last."""
     for phases in _CUT_FIRST:
         candidates = [slot for slot in held if slot.phase in phases]
         if candidates:

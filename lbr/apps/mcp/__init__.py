@@ -1,8 +1,8 @@
 """The robot for language agents, by the Model Context Protocol: few tools with bounds, a lease in the agent's own name.
 
-`tools` and `bounds` are what agents may ask for, `messages` what a row allows; these are pure. `motion` keeps what moves
-only while the agent's client lives, `agent` does what tools do, `server` speaks the protocol by the official SDK, and
-`stdio` and `capability` are the ways there; `pulses` shows that a client over HTTP lives.
+`tools` and `bounds` define what agents may request, `messages` a row's rules; these are pure. `motion` moves only while
+the agent's client lives, and `agent` runs the tools. `server` implements the protocol with the official SDK. `stdio`
+and `capability` connect agents to it; `pulses` observes clients over HTTP.
 """
 
 from lbr.component import CliCommand, Component

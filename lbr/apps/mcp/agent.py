@@ -1,4 +1,4 @@
-"""An agent at a robot: what its tools do, in its own name, and what is written down of it."""
+"""An agent at a robot: its tools, run in its own name, and their record."""
 
 import asyncio
 import re
@@ -27,12 +27,12 @@ from lbr.messages.system import Event
 Arguments = Mapping[str, Any]
 SAY_S = 5.0
 MOTIONS, MOTIONS_S = 20, 10.0
-"""So many motions may be begun in so many seconds; stops are not counted."""
+"""The most motions to begin in so many seconds; stops are not counted."""
 KNOWN_S = 5.0
 PLAN_S, MOST_PLANS = 60.0, 8
 LONGEST_TEXT, LONGEST_EVENT = 600, 500
 LARGEST_SIDE = 640
-"""Of a picture, in pixels: more is scaled down."""
+"""The largest side of a picture in pixels; larger pictures are scaled down."""
 STOPPED = "the agent stopped it"
 STREAMS = (
     "drive/state",
@@ -74,11 +74,11 @@ class Outcome(Struct, frozen=True, kw_only=True):
 
     @property
     def good(self) -> bool:
-        """Return whether it was done."""
+        """Return whether the tool succeeded."""
         return self.code in {"done", "time_over"}
 
     def as_json(self) -> dict[str, object]:
-        """Return it as JSON."""
+        """Return the answer as JSON."""
         answer: dict[str, object] = {"code": self.code, "text": one_line(self.text)[:LONGEST_TEXT]}
         return answer | ({"do": self.do} if self.do else {}) | ({"data": self.data} if self.data is not None else {})
 
@@ -90,7 +90,7 @@ def refused(err: LbrError) -> Outcome:
 
 
 def clean_name(name: str) -> str:
-    """Return an agent's name as robots show it."""
+    """Return an agent's name in the form that robots show."""
     return re.sub(r"[^A-Za-z0-9_.-]+", "-", name).strip("-.")[:30] or "agent"
 
 
@@ -99,14 +99,14 @@ class MustAskError(Exception):
 
 
 class Way(Struct, frozen=True, kw_only=True):
-    """The work of a server for an agent: `begin` sees a motion to its end, `confirm` asks its user; None: it cannot ask."""
+    """The server's part: `begin` runs a motion to its end, `confirm` asks the agent's user (None: it cannot ask)."""
 
     begin: Callable[[Motion], Awaitable[Said]]
     confirm: Callable[[str], Awaitable[bool | None]]
 
 
 class Plan(NamedTuple):
-    """A planned motion, and until when it may be done."""
+    """A planned motion, and the time at which it expires."""
 
     tool: Tool
     arguments: Arguments
@@ -114,7 +114,7 @@ class Plan(NamedTuple):
 
 
 async def rules_of(robot: AsyncRobot) -> McpState:
-    """Return the rules for agents of a robot: those of its row, if one is on; raise InputError if that is silent."""
+    """Return a robot's rules for agents, from its row if that is on; raise InputError if its process is silent."""
     for part in (await robot.latest("@status"))["capabilities"]:
         if part["kind"] == "mcp":
             try:
@@ -127,7 +127,7 @@ async def rules_of(robot: AsyncRobot) -> McpState:
 
 
 class Agent:
-    """The tools of one agent. It is connected at its first call, and again once the robot has been away."""
+    """The tools of one agent. It connects at its first call, and again after the robot was away."""
 
     def __init__(
         self,
@@ -148,13 +148,13 @@ class Agent:
         self._plans: dict[str, Plan] = {}
 
     async def close(self) -> None:
-        """Stop what it moves, and disconnect."""
+        """Stop its motion, and disconnect."""
         robot, self._robot = self._robot, None
         if robot is not None:
             await robot.__aexit__()
 
     async def known(self) -> Known:
-        """Return what is known of the robot, asked for again after some seconds."""
+        """Return the robot's words and rules, read again after some seconds."""
         robot = await self._connected()
         now = time.monotonic()
         if now >= self._known_until:
@@ -167,7 +167,7 @@ class Agent:
         return self._known
 
     async def call(self, name: str, arguments: Mapping[str, object], way: Way) -> Outcome:
-        """Do what a tool does."""
+        """Run a tool."""
         tool: Tool | None = None
         try:
             tool = named(name)
@@ -207,7 +207,7 @@ class Agent:
         self._refuse_more()
         robot = await self._connected()
         await self._ask(tool, given, known, line, way)
-        self._refuse_more()  # a person may think for long
+        self._refuse_more()  # again: the person may have taken long
         if plan_id:
             self._planned(plan_id)
             del self._plans[plan_id]
@@ -229,7 +229,7 @@ class Agent:
             raise InputError(f"{MOTIONS} motions in {MOTIONS_S:g} s are the most; wait a little", "busy")
 
     async def _ask(self, tool: Tool, given: Mapping[str, object], known: Known, line: str, way: Way) -> None:
-        """Ask a person where the row requires it; raise InputError if the person does not agree."""
+        """Ask a person if the row requires it; raise InputError without consent."""
         wanted = set(known.rules.ask) & _asked_before(tool, given, known, line) - self._confirmed
         if not wanted or self.name in (await self._rules(await self._connected())).allowed:
             return
@@ -319,7 +319,7 @@ class Agent:
         streams = {}
         for key in STREAMS:
             if key.partition("/")[0] in parts:
-                with suppress(BusError):  # nothing was measured yet
+                with suppress(BusError):  # no message yet
                     streams[key] = _brief(await robot.latest(key))
         wrong = {part["name"]: part["reason"] or part["phase"] for part in parts.values() if part["phase"] != "ready"}
         data = {
@@ -356,7 +356,7 @@ class Agent:
         return properties
 
     async def _note(self, tool: str, arguments: Mapping[str, object], outcome: Outcome) -> None:
-        """Publish the call and its outcome as an event; the robot writes it into its audit trail."""
+        """Publish the call and its outcome as an event, which the robot adds to its audit trail."""
         asked = ", ".join(f"{name}={bounds.brief(value)}" for name, value in list(arguments.items())[:8])
         text = f"{self.name} asked for {bounds.brief(tool)}({asked}): {outcome.code}: {one_line(outcome.text)}"
         robot = self._robot
@@ -379,7 +379,7 @@ class Agent:
 
 
 def _asked_before(tool: Tool, given: Arguments, known: Known, line: str) -> set[str]:
-    """Return the questions of a motion that a row may require."""
+    """Return the reasons for which a row may require consent before a motion."""
     if tool.name == "say":
         word = line.strip("/").split("/")[0]
         targets = {str(entry["target"]) for entry in known.words if entry["word"] == word}
@@ -390,7 +390,7 @@ def _asked_before(tool: Tool, given: Arguments, known: Known, line: str) -> set[
 
 
 def _side(tool: Tool, arguments: Arguments) -> str:
-    """Return which range a motion goes towards; empty if it turns."""
+    """Return the range sensor in the direction of a motion; empty if it turns."""
     if tool.name == "go":
         return "forward_m" if arguments["distance_cm"] > 0 else "back_m"
     if tool.name != "drive":
@@ -399,7 +399,7 @@ def _side(tool: Tool, arguments: Arguments) -> str:
 
 
 def _brief(message: dict[str, Any]) -> dict[str, Any]:
-    """Return a message without what programs alone read; of joints their angles, and what is wrong with them."""
+    """Shorten a message for agents; of joints only the angles and faults stay."""
     brief = {name: value for name, value in message.items() if name not in {"loop", "rows", "variables"}}
     if isinstance(joints := brief.get("joints"), dict):
         brief["joints"] = {name: joint["position_rad"] for name, joint in joints.items()}
@@ -410,7 +410,7 @@ def _brief(message: dict[str, Any]) -> dict[str, Any]:
 
 
 def scaled(picture: bytes) -> bytes:
-    """Return a JPEG picture with no side above LARGEST_SIDE, and other data unchanged."""
+    """Scale a JPEG picture to LARGEST_SIDE at most; other data is unchanged."""
     from PIL import Image
 
     with suppress(OSError), Image.open(BytesIO(picture)) as image:
@@ -422,5 +422,5 @@ def scaled(picture: bytes) -> bytes:
 
 
 def encoded(value: object) -> str:
-    """Return a value as JSON text."""
+    """Encode a value as JSON text."""
     return msgspec.json.encode(value).decode()

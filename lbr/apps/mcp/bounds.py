@@ -1,4 +1,4 @@
-"""The bounds of a tool's arguments: JSON Schema out of rows and messages, and the check against it. Pure."""
+"""The bounds of a tool's arguments: JSON Schema from rows and messages, and the check against it. Pure."""
 
 import re
 from collections.abc import Mapping
@@ -10,7 +10,7 @@ from lbr.errors import InputError
 Schema = dict[str, Any]
 KEPT = ("description", "type", "minimum", "maximum", "maxLength", "pattern")
 TYPED_MINIMUM = "x-typed-minimum"
-"""The least that a person may type where a message takes less."""
+"""The least value that a person may type, if the message allows less."""
 LONGEST_BRIEF = 60
 
 
@@ -20,7 +20,7 @@ def fields(pattern: str) -> list[str]:
 
 
 def of_field(described: Mapping[str, Any], choices: list[Any], most: float | None = None) -> Schema:
-    """Return the schema of one field: bounds of its message, names of the rows, and a limit for agents."""
+    """Return the schema of one field: the message's bounds, the rows' names, and a limit for agents."""
     schema = {name: described[name] for name in KEPT if name in described}
     if TYPED_MINIMUM in described:
         schema["minimum"] = described[TYPED_MINIMUM]
@@ -32,12 +32,12 @@ def of_field(described: Mapping[str, Any], choices: list[Any], most: float | Non
 
 
 def of_object(properties: Mapping[str, Schema], required: list[str]) -> Schema:
-    """Return the schema of a tool's arguments; there are no others."""
+    """Return the schema of a tool's arguments, which allows no others."""
     return {"type": "object", "properties": dict(properties), "required": required, "additionalProperties": False}
 
 
 def checked(schema: Schema, arguments: Mapping[str, object]) -> dict[str, Any]:
-    """Return arguments that fit, with the defaults of those left out; raise InputError that names what does not."""
+    """Return valid arguments, with the defaults of missing ones; raise InputError with the first that does not fit."""
     properties: dict[str, Schema] = schema["properties"]
     if unknown := [name for name in arguments if name not in properties]:
         known = ", ".join(properties) or "none"
@@ -53,7 +53,7 @@ def checked(schema: Schema, arguments: Mapping[str, object]) -> dict[str, Any]:
 
 
 def fits(schema: Schema, value: Any) -> bool:
-    """Return whether a value is within bounds; NaN and infinity are within none."""
+    """Return whether a value fits a schema; NaN and infinity never do."""
     if "enum" in schema:
         return isinstance(value, str) and value in schema["enum"]
     if schema.get("type") == "number":
@@ -68,7 +68,7 @@ def fits(schema: Schema, value: Any) -> bool:
 
 
 def allowed(schema: Schema) -> str:
-    """Say what a value may be."""
+    """Describe the allowed values."""
     if "enum" in schema:
         return f"one of {', '.join(schema['enum'])}"
     if schema.get("type") == "number":
@@ -80,7 +80,7 @@ def allowed(schema: Schema) -> str:
 
 
 def brief(value: object) -> str:
-    """Return a value of an agent's for a sentence: short, and one line."""
+    """Return an agent's value for a sentence: short, and one line."""
     text = repr(value) if not isinstance(value, str) else value
     text = "".join(one if one.isprintable() else "?" for one in text[:LONGEST_BRIEF])
     return text + ("…" if len(str(value)) > LONGEST_BRIEF else "")

@@ -1,4 +1,4 @@
-"""Agents over HTTP: a server behind the web server's doors, and the rules for every agent."""
+"""Agents over HTTP: a server with the web server's access rules, and the rules for every agent."""
 
 import asyncio
 from typing import Any, cast
@@ -38,7 +38,7 @@ PATH = "/mcp"
 CLIENT = "lbr.client"
 LARGEST_BODY = 64 * 1024
 SESSIONS, IDLE_S = 200, 600.0
-"""Of older clients: one that was killed leaves its session behind, of 44 KB, for as long as a person may think."""
+"""The sessions of older clients. A killed client's session, of 44 KB, stays as long as a person may think."""
 AGENTS = 16
 REQUESTS_HZ = 200.0
 PUBLISH_S = 1.0
@@ -46,14 +46,14 @@ ENDS = "the server for agents ends"
 
 
 class Door(BaseRoute):
-    """Lets agents in at one path, by the token or the user that the web server would let in."""
+    """Admits agents at one path, with the tokens and users of the web server."""
 
     def __init__(self, gate: Gate, manager: StreamableHTTPSessionManager) -> None:
         self._gate = gate
         self._manager = manager
 
     def matches(self, scope: Scope) -> tuple[Match, Scope]:
-        """Say whether this is an agent's request."""
+        """Return whether a request is an agent's."""
         return (Match.FULL if scope["type"] == "http" and scope["path"] == PATH else Match.NONE), {}
 
     async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -69,7 +69,7 @@ class Door(BaseRoute):
 
 
 class Mcp(Capability[McpSettings]):
-    """Raises DeviceError while it cannot listen."""
+    """The server. Raises DeviceError if it cannot listen."""
 
     rate_hz = 10.0
     woken_by_streams = False
@@ -118,7 +118,7 @@ class Mcp(Capability[McpSettings]):
             self.ctx.event("exposed", text, level="warning")
 
     def step(self) -> None:
-        """Publish the rules, and the agents that a person allowed."""
+        """Publish the rules, and the agents with a person's consent."""
         now = self.ctx.clock()
         self._bridge.serve()
         while self._counts.news:
@@ -129,7 +129,7 @@ class Mcp(Capability[McpSettings]):
             self._publish_state(listening_=True)
 
     def command(self, call: Call) -> None:
-        """Let an agent do what it must ask a person for."""
+        """Give consent to an agent."""
         message = call.message
         if not isinstance(message, AllowAgent):
             call.refuse(f"{call.name} is not understood here", "unknown_command")
@@ -139,11 +139,11 @@ class Mcp(Capability[McpSettings]):
         call.reply(CommandReply(accepted=True, reason=f"'{message.agent}' may move the robot"))
 
     def degraded(self, reason: str) -> None:
-        """Say that nobody is served."""
+        """Report that no agent is served."""
         self._publish_state(listening_=False, reason=reason)
 
     def close(self) -> None:
-        """Stop serving, and what agents move."""
+        """Stop serving, and stop the motion of agents."""
         self._bridge.close(ENDS)
         if self._serving is not None:
             self._serving.stop()
@@ -158,7 +158,7 @@ class Mcp(Capability[McpSettings]):
             await self._roster.close()
 
     def _agent(self, ctx: AgentContext) -> Agent:
-        """Return the agent of a request, by its client, its program and its role."""
+        """Return the agent of a request, by its client, program and role."""
         client: Client = cast("HTTPConnection", ctx.request).scope[CLIENT]
         params = ctx.session.client_params
         name = params.client_info.name if params is not None else ""

@@ -1,4 +1,4 @@
-"""The kind `mcp`: the rules for agents, and where they are served by HTTP."""
+"""The kind `mcp`: the rules for agents, and the address of their server."""
 
 from typing import Annotated, ClassVar
 
@@ -13,8 +13,8 @@ from lbr.capability.word import Word
 class McpSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `mcp`.
 
-    `words` to `fast_power` hold for every agent, also of `lbr mcp`. `ask`: before what a person is asked: an agent's
-    first motion, a motion of a humanoid, more than `fast_power`. Where other machines reach it, it needs a token, and
+    `words` to `fast_power` are for every agent, also of `lbr mcp`. `ask`: a person is asked before an agent's first
+    motion, a motion of a humanoid, or more than `fast_power`. Where other machines reach it, agents need a token, and
     TLS unless `clear_text`.
     """
 
@@ -31,7 +31,7 @@ class McpSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     names: Annotated[tuple[str, ...], Meta(description="this machine's other names, such as robot.example.org")] = ()
 
     def __post_init__(self) -> None:
-        """Refuse words for people alone, and what contradicts itself."""
+        """Refuse words for people alone, and settings that contradict each other."""
         if never := sorted(NEVER.intersection(self.words)):
             raise ValueError(f"words: '{never[0]}' is for people alone")
         if self.tls and self.clear_text:
@@ -39,7 +39,7 @@ class McpSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
 
     @property
     def rules(self) -> Rules:
-        """Return what holds for every agent."""
+        """Return the rules for every agent."""
         return Rules(words=self.words, most_power=self.most_power, ask=self.ask, fast_power=self.fast_power)
 
 

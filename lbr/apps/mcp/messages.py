@@ -1,4 +1,4 @@
-"""Messages on `mcp/*`: what a row allows to agents, who of them may drive, and where they are served."""
+"""Messages on `mcp/*`: a row's rules for agents, the agents with consent, and the server's addresses."""
 
 from typing import Annotated, Literal
 
@@ -21,7 +21,7 @@ NEVER = frozenset(
         "torque",
     )
 )
-"""Words for people alone: no row allows them to agents."""
+"""Words for people alone, which no row can allow to agents."""
 WORDS = ("a", "camera", "help", "look", "mark", "report", "s", "snapshot", "watch")
 Asked = Literal["first", "play", "fast"]
 AgentName = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_.-]{1,30}$(?!\n)")]
@@ -45,7 +45,7 @@ class AllowAgent(Struct, frozen=True, kw_only=True):
 
 
 class McpState(Struct, frozen=True, kw_only=True):
-    """Where agents are served (`urls`), the rules for all, and those whom a person allows more."""
+    """The server's addresses (`urls`), the rules for all agents, and the agents with a person's consent (`allowed`)."""
 
     listening: bool
     rules: Rules

@@ -1,4 +1,4 @@
-"""Motion in an agent's name, for as long as the agent's client shows that it lives."""
+"""Motion in an agent's name, while the agent's client lives."""
 
 import asyncio
 import time
@@ -9,7 +9,7 @@ from lbr.client import Message, RefusalError, Said
 from lbr.client.aio import AsyncRobot
 
 PATIENCE_S = 0.25
-"""The motion of a client that has shown nothing for so long is stopped, and at zero within 0.4 s."""
+"""The longest pause between signs of life; then motion is stopped, and at zero within 0.4 s."""
 TICK_S = 0.02
 LOOK_S, BEGINS_S = 0.2, 1.0
 SILENT = "the agent's client has shown no sign of life"
@@ -44,15 +44,16 @@ class Motion:
         self._seen = clock()
 
     def beat(self) -> None:
-        """Show that the agent's client lives now."""
+        """Note a sign of life of the agent's client."""
         self._seen = self._clock()
 
     def silent(self) -> str:
-        """Return why it must not go on: its client may be gone; empty if it shows that it lives."""
+        """Return why the motion must end; empty while the client shows that it lives."""
         return "" if self._clock() - self._seen <= self.patience_s else SILENT
 
     async def run(self) -> Said:
-        """Say it and see it to its end; raise RefusalError or BusError. Cancelled, it stops what it moves."""
+        """Send the line, and wait for the end of its motion; raise RefusalError or BusError. When cancelled, stop the
+        motion."""
         operator = self._robot.blocking.operator
         operator.ear.also = self.silent
         saying = asyncio.ensure_future(self._robot.say(self.line, hold_s=self._hold_s))
@@ -68,16 +69,16 @@ class Motion:
         return saying.result()
 
     async def end(self, why: str) -> None:
-        """Stop it."""
+        """Stop the motion."""
         self.ended = self.ended or why
         await asyncio.to_thread(self._robot.blocking.operator.release, why)
 
 
 class BehaviourMotion(Motion):
-    """A behaviour, which runs by itself once it is begun: seen to its end, and ended with its agent."""
+    """A behaviour, which the robot runs by itself: awaited to its end, and ended with its agent."""
 
     async def run(self) -> Said:
-        """Run it and see it to its end."""
+        """Run the behaviour, and wait for its end."""
         answer = await super().run()
         try:
             state = await self._end_of_run()

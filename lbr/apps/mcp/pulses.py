@@ -1,4 +1,4 @@
-"""Signs of life of a client over HTTP: its connection stays open while its program is frozen."""
+"""Signs of life of clients over HTTP, whose connections stay open while their programs are frozen."""
 
 import asyncio
 from collections.abc import Callable
@@ -14,7 +14,7 @@ PING_S = 0.05
 
 
 class Pings:
-    """A client of an older protocol: it is pinged on the stream of its call."""
+    """A client of an older protocol, which is pinged on the stream of its call."""
 
     patience_s = PATIENCE_S
 
@@ -26,7 +26,7 @@ class Pings:
         return ""
 
     async def follow(self, beat: Callable[[], None]) -> None:
-        """Ping again and again, and beat at each answer."""
+        """Ping repeatedly, and beat at each answer."""
         metadata = ServerMessageMetadata(related_request_id=self._ctx.request_id)
         while True:
             await self._ctx.session.send_request(types.PingRequest(), types.EmptyResult, metadata=metadata)
@@ -35,24 +35,24 @@ class Pings:
 
 
 class Rounds:
-    """A client of the newest protocol, which is asked for nothing: it shows that it lives by asking again (`server`)."""
+    """A client of the newest protocol, which receives no requests: its own ones (`server`) are its signs of life."""
 
     patience_s = 0.33
-    """It asks again after 0.25 s at most."""
+    """A client repeats its request within 0.25 s."""
 
     def __init__(self) -> None:
         self.beat: Callable[[], None] = lambda: None
 
     def why_not(self) -> str:
-        """Return an empty text: each client asks again."""
+        """Return an empty text: each client repeats its request."""
         return ""
 
     async def follow(self, beat: Callable[[], None]) -> None:
-        """Leave `beat` to the server, which receives the next request of the client."""
+        """Leave `beat` to the server, which receives the client's next request."""
         self.beat = beat
         await asyncio.Event().wait()
 
 
 def pulse_of_http(ctx: Context) -> Pulse:
-    """Return what shows that the client of a request lives."""
+    """Return the signs of life of a request's client."""
     return Rounds() if ctx.protocol_version in MODERN_PROTOCOL_VERSIONS else Pings(ctx)

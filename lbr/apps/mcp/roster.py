@@ -1,4 +1,4 @@
-"""The agents of a server over HTTP, by the client and the program that each of them is."""
+"""The agents of a server over HTTP, by client and program."""
 
 import asyncio
 from collections.abc import Callable, Hashable
@@ -8,7 +8,7 @@ from lbr.errors import InputError
 
 
 class Roster:
-    """At most `most` agents: the one that was away for longest leaves first, unless it moves the robot."""
+    """At most `most` agents: the one idle for longest leaves first, unless it moves the robot."""
 
     def __init__(self, most: int) -> None:
         self._most = most

@@ -1,4 +1,4 @@
-"""The protocol: an agent's tools, resources and prompts as the official SDK serves them."""
+"""The protocol: an agent's tools, resources and prompts, with the official SDK."""
 
 import asyncio
 import base64
@@ -31,7 +31,7 @@ PROMPTS = {
     "find_out_why": "Call `why`, and then for the part that it names. Say what holds the robot, and what a person can do.",
 }
 ROUNDS = 10
-"""So often a client asks again for the result of one call, by the protocol's own SDKs."""
+"""The most requests for the result of one call, by the protocol's own SDKs."""
 FIRST_ROUND_S, LAST_ROUND_S = 0.15, 0.25
 ROUNDS_OVER = "over HTTP one call moves for some 2 s at most in this protocol; call again to go on"
 QUESTION = "let"
@@ -40,7 +40,7 @@ MOST_QUESTIONS = 8
 
 
 class Round:
-    """A call over HTTP in the newest protocol: its client asks again and again, and shows by it that it lives."""
+    """A call over HTTP in the newest protocol: its client repeats the request, and thereby shows that it lives."""
 
     def __init__(self, work: Coroutine[object, object, Outcome]) -> None:
         self.motion: Motion | None = None
@@ -48,7 +48,7 @@ class Round:
         self.task = asyncio.ensure_future(work)
 
     async def answer(self) -> Outcome | None:
-        """Return what became of it; None if it goes on."""
+        """Return the outcome; None while the call goes on."""
         self.number += 1
         if self.motion is not None:
             self.motion.beat()
@@ -67,7 +67,7 @@ class Round:
 
 
 class McpServer:
-    """Serves agents; `agent_of` finds the one of a request, `pulse_of` what shows that its client lives."""
+    """Serves agents; `agent_of` returns the agent of a request, `pulse_of` the signs of life of its client."""
 
     def __init__(self, agent_of: Callable[[Context], Agent], pulse_of: Callable[[Context], Pulse]) -> None:
         self._agent_of = agent_of
@@ -89,7 +89,7 @@ class McpServer:
         )
 
     async def close(self) -> None:
-        """End what goes on."""
+        """End all calls."""
         for call in self._rounds.values():
             call.task.cancel()
         await asyncio.gather(*(call.task for call in self._rounds.values()), return_exceptions=True)
@@ -187,7 +187,7 @@ class McpServer:
         return types.InputRequiredResult(input_requests={QUESTION: request}, request_state=state)
 
     def _confirmed(self, state: str, params: types.CallToolRequestParams) -> bool | None:
-        """Say whether a person let a call be done; None if nobody was asked, or for another call."""
+        """Return whether a person consented to a call; None if nobody was asked, or about another call."""
         if self._questions.pop(state, None) != (params.name, params.arguments):
             return None
         answer = (params.input_responses or {}).get(QUESTION)
@@ -216,11 +216,11 @@ async def _never(_motion: Motion) -> Said:
 
 
 async def _no(_text: str) -> None:
-    """Ask nobody: nothing moves by this."""
+    """Give no consent: this moves nothing."""
 
 
 async def beside(work: Awaitable[Said], other: Awaitable[None]) -> Said:
-    """Return what one coroutine does, while another goes on beside it."""
+    """Return the result of one coroutine, while another runs beside it."""
     following = asyncio.ensure_future(other)
     try:
         return await work
@@ -248,7 +248,7 @@ def described(tool: Tool, known: Known) -> types.Tool:
 
 
 def result(outcome: Outcome) -> types.CallToolResult:
-    """Return what a tool answers, as text for every client and as JSON for those that read it."""
+    """Return a tool's answer, as text for every client and as JSON for those that read it."""
     answer = outcome.as_json()
     content: list[types.ContentBlock] = [types.TextContent(type="text", text=encoded(answer))]
     if outcome.picture:

@@ -20,12 +20,12 @@ from lbr.apps.mcp.server import Context, McpServer
 from lbr.client.aio import AsyncRobot
 
 BLANK = b" "
-"""JSON may begin with blanks, so that a message reads the same after them."""
+"""A message may follow a blank: JSON may begin with blanks."""
 UNSEEN = "the life of this agent's client cannot be observed: start it with a pipe or a socket as standard output"
 
 
 class Pipe:
-    """Our end of the pipe that the client reads. A client that lives takes out what is in it, also a blank."""
+    """This end of the pipe that the client reads. A client that lives reads what is in it, even a blank."""
 
     patience_s = PATIENCE_S
 
@@ -37,26 +37,26 @@ class Pipe:
         self._question = termios.FIONREAD if stat.S_ISFIFO(mode) else termios.TIOCOUTQ if stat.S_ISSOCK(mode) else 0
 
     async def write(self, text: str) -> None:
-        """Write a message; it is whole before a blank follows."""
+        """Write a whole message; no blank can come within it."""
         await asyncio.to_thread(self._write, text.encode())
 
     async def flush(self) -> None:
-        """Nothing is kept back."""
+        """Do nothing: nothing is buffered."""
 
     def why_not(self) -> str:
         """Return why the life of the client cannot be observed; empty if the pipe shows it."""
         return "" if self._question else UNSEEN
 
     async def follow(self, beat: Callable[[], None]) -> None:
-        """Put a blank into the empty pipe again and again, and beat once it was taken out."""
+        """Put a blank into the empty pipe repeatedly, and beat each time it was read."""
         while True:
             if self._has_read():
                 beat()
             await asyncio.sleep(TICK_S)
 
     def _has_read(self) -> bool:
-        """Return whether the client has read since the last time; one that has read all gets a blank to read."""
-        if not self._lock.acquire(blocking=False):  # a message is being written: it fits in only if it is read
+        """Return whether the client has read since the last call; write a blank if the pipe is empty."""
+        if not self._lock.acquire(blocking=False):  # a message is being written, which needs a reader
             return False
         try:
             unread = self._unread()
@@ -72,7 +72,7 @@ class Pipe:
             self._lock.release()
 
     def _unread(self) -> int:
-        """Return how much the client has not read yet."""
+        """Return the number of unread bytes."""
         count = array.array("i", [0])
         fcntl.ioctl(self._number, self._question, count)
         return count[0]
@@ -87,7 +87,7 @@ class Pipe:
 def serve(connect: Callable[[str], AsyncRobot]) -> None:
     """Serve the client at standard input and output until it closes them, or a signal ends this process."""
     pipe = Pipe(os.dup(1))
-    os.dup2(2, 1)  # what else is printed here is no message
+    os.dup2(2, 1)  # other prints must not mix with messages
     asyncio.run(_served(pipe, connect))
 
 

@@ -1,7 +1,7 @@
 """The tools of agents: few, fixed, each with its bounds and its console line. Pure.
 
-A tool that moves stands for a word of the robot, and is there if the robot has that word. What has no tool and no word
-that the row allows cannot be asked for: no reset, no torque, no rows, no tokens, no key of the bus.
+A tool that moves stands for a word of the robot, and exists if the robot has that word. Agents have these tools and the
+row's words only: no reset, no torque, no rows, no tokens, no key of the bus.
 """
 
 from collections.abc import Callable, Mapping
@@ -29,12 +29,12 @@ class Known(Struct, frozen=True, kw_only=True):
     rules: Rules = Rules()
 
     def entry(self, pattern: str) -> dict[str, Any] | None:
-        """Return the word of that pattern; None if the robot has none."""
+        """Return the word of that pattern, or None."""
         return next((one for one in self.words if one["pattern"] == pattern), None)
 
     @property
     def cameras(self) -> list[str]:
-        """Return the names of what takes pictures."""
+        """Return the names of the cameras."""
         targets = (str(one.get("target", "")) for one in self.words)
         return sorted({one.removesuffix(CAMERA_OUTPUT) for one in targets if one.endswith(CAMERA_OUTPUT)})
 
@@ -62,12 +62,12 @@ class Tool(Struct, frozen=True, kw_only=True):
     repeats: bool = False
     patterns: tuple[str, ...] = ()
     seconds: tuple[float, float] | None = None
-    """The longest motion, and the default."""
+    """The longest motion, and its default."""
     own: Callable[[Known], dict[str, Schema]] = lambda _known: {}
     required: tuple[str, ...] = ()
 
     def fits(self, known: Known) -> bool:
-        """Return whether a robot can do it."""
+        """Return whether a robot has the tool."""
         if self.name == "look":
             return bool(known.cameras)
         return not self.patterns or known.entry(self.patterns[0]) is not None
@@ -103,7 +103,7 @@ class Tool(Struct, frozen=True, kw_only=True):
         return bounds.of_field(described, choices, known.rules.most_power if name == "power" else None)
 
     def line(self, arguments: Mapping[str, Any]) -> str:
-        """Return the line that checked arguments stand for."""
+        """Return the console line of checked arguments."""
         pattern, values = self.patterns[0], dict(arguments)
         if self.name == "go" and values["distance_cm"] < 0:
             pattern, values["distance_cm"] = self.patterns[1], -values["distance_cm"]
@@ -113,7 +113,7 @@ class Tool(Struct, frozen=True, kw_only=True):
 
 
 def typed(value: object) -> str:
-    """Return a value as it is typed at a console."""
+    """Return a value in the form typed at a console."""
     return str(value) if isinstance(value, str) else f"{value:.4f}".rstrip("0").rstrip(".")
 
 

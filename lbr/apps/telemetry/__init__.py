@@ -1,4 +1,4 @@
-"""Telemetry: everything the robot knows of itself in one nested message, with the age of each part."""
+"""Telemetry: all states of the robot in one nested message, with the age of each part."""
 
 from lbr.component import Component
 

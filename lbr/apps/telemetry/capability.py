@@ -1,4 +1,4 @@
-"""Telemetry as a capability: the package at a steady rate."""
+"""Telemetry as a capability: publishes the package at a steady rate."""
 
 import time
 from math import inf
@@ -11,13 +11,13 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Context, Received
 
 COMPASS_S = 0.5
-"""A compass measures less often than the rest of an inertial unit."""
+"""The age up to which a compass value counts; a compass measures less often than the rest of an inertial unit."""
 RESTING_S = 0.95
-"""The period while the motors stand and all is known, where the row asks for a shorter one."""
+"""The period while the motors stand and the package is complete, if the row has a shorter one."""
 
 
 class TelemetryPackage(Capability[TelemetrySettings]):
-    """Publishes what it knows, also while no source speaks."""
+    """Publishes the package, even while no source publishes."""
 
     woken_by_streams = False
 
@@ -29,7 +29,7 @@ class TelemetryPackage(Capability[TelemetrySettings]):
         self._wired = [port for port in KIND.inputs if ctx.sources(port)]
 
     def step(self) -> None:
-        """Publish, at the rate and not at every beat of the process; once a second while the motors stand."""
+        """Publish at the set rate, and once a second while the motors stand."""
         now = self.ctx.clock()
         if not self.ctx.on_tick or (self._complete and self._stands() and now - self._published_s < RESTING_S):
             return
@@ -48,7 +48,7 @@ class TelemetryPackage(Capability[TelemetrySettings]):
         return not any((*sides, *(motor.power for motor in each)))
 
     def _newest(self, port: str) -> Received | None:
-        """Return the newest of a source; of the inertial unit, with what its slower compass measured last."""
+        """Return the newest message of a source; the inertial unit's with the last value of its slower compass."""
         newest, compass = self.ctx.latest(port), self._compass
         if port != "imu" or newest is None or compass is None or not newest.message.valid:
             return newest

@@ -1,4 +1,4 @@
-"""From the newest message of each source to the package. Pure."""
+"""Makes the package of the newest message of each source. Pure."""
 
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
@@ -30,7 +30,7 @@ Latest = Callable[[str], Received | None]
 
 
 def package(latest: Latest, now: float, time_s: float) -> Telemetry:
-    """Return the package of what `latest` has of each source, `now` by the clock that messages are dated by."""
+    """Make the package of `latest` of each source; `now` is by the clock that dates messages."""
 
     def part(port: str, make: Callable[[Any, float], P]) -> P | None:
         received = latest(port)
@@ -71,7 +71,7 @@ def _oldest_s(now: float, *sources: Received | None) -> float | None:
 
 
 def _same(kind: type[S]) -> Callable[[Struct, float], S]:
-    """Return what makes a part of a message whose fields have the same names."""
+    """Return a function that makes a part from a message with the same field names."""
     names = [name for name in kind.__struct_fields__ if name != "age_s"]
     return lambda message, age_s: kind(age_s=age_s, **{name: getattr(message, name) for name in names})
 

@@ -1,4 +1,4 @@
-"""The call as a face: a page rings, keeps its call and leaves it; picture and sound go past this server."""
+"""The call as a face: a page rings, keeps its call and leaves it; picture and sound do not pass this server."""
 
 from lbr.apps.call.messages import KeepCommand, RingCommand, RingReply
 from lbr.apps.web.ports import FacePorts

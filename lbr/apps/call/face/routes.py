@@ -1,4 +1,4 @@
-"""The call's answers over HTTP. The asker and its rights go along: the call's own process decides."""
+"""The routes of calls. The client and its role are passed on: the call's own process decides."""
 
 from typing import Annotated
 
@@ -22,7 +22,7 @@ NOT_RUNG = Refuses(
 
 
 class RingBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The wish of a page, and its offer."""
+    """The purpose of a page's call, and its offer."""
 
     purpose: Annotated[
         Purpose, Meta(description="talk: a call; watch: its picture alone; display: show the caller")
@@ -31,13 +31,13 @@ class RingBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class KeepBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """True if the page leaves."""
+    """The report of a page; `leave`: it leaves."""
 
     leave: bool = False
 
 
 class CallFace(Face):
-    """The routes; `private`, as those of the cameras are: to be at a place lets no page see or hear."""
+    """The routes. They require a `known` client, as those of the cameras do; a trusted address is not enough."""
 
     name = "call"
 
@@ -48,8 +48,8 @@ class CallFace(Face):
     async def _ring(self, client: Client, body: RingBody) -> Annotated[RingReply, NOT_RUNG]:
         """Call the robot, or watch it, by WebRTC.
 
-        The offer is a browser's (SDP), complete with its addresses. The answer to it comes by `POST /call/{id}`, which
-        has to be asked each second for as long as the call goes on.
+        The offer is a browser's (SDP), with all its addresses. The answer to it comes by `POST /call/{id}`, which the
+        page must repeat each second while the call goes on.
         """
         asked = RingCommand(purpose=body.purpose, offer=body.offer, by=str(client)[:120], role=client.role)
         reply = await self._robot.ask("call_ring", asked, timeout_s=RING_S)
@@ -59,7 +59,7 @@ class CallFace(Face):
     async def _keep(
         self, id_: str, body: KeepBody | None = None
     ) -> Annotated[RingReply, Refuses({404: "The call is over; the message says why."})]:
-        """Go on with a call, or leave it."""
+        """Keep a call, or leave it."""
         if not 1 <= len(id_) <= LONGEST_ID:
             raise Refused(404, "there is no such call")
         asked = KeepCommand(id=id_, leave=body is not None and body.leave)

@@ -12,7 +12,7 @@ from lbr.errors import InputError
 def command(whom: Whom) -> int:
     """Serve a robot to a language agent, at standard input and output.
 
-    The agent's program starts it: `claude mcp add robot -- lbr mcp`. What an agent moves goes on only while its program
+    The agent's program starts it: `claude mcp add robot -- lbr mcp`. An agent's motion goes on only while its program
     lives; anybody may stop it. It ends with its input.
     """
     try:
