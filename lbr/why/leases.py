@@ -58,10 +58,12 @@ def _stopped(now: Snapshot, part: Part, by: str) -> str:
 
 
 def refusal(now: Snapshot, part: Part) -> Iterator[Link]:
-    """Yield what a part refused last, and why, unless it took another command since."""
+    """Yield what a part refused last, and why, unless it took another command since, or that stop is over."""
     for event in now.newest(part.name):
         ago_s = now.ago_s(event)
         if event.kind == "holder" or ago_s is None or ago_s > REFUSED_S:
+            return
+        if event.code == "estop" and now.status is not None and not now.status.estop.engaged:
             return
         if event.kind == "refused" and event.about and event.code not in RENEWALS:
             yield Link(

@@ -571,11 +571,12 @@ def test_what_was_refused_last_is_told_before_what_holds_another_way_and_after_w
     assert told(down("drive", "crashed")(refused), "drive")[0] == "process"
 
 
-def test_what_was_refused_long_ago_or_before_another_command_or_as_a_renewal_is_not_told(robots):
+def test_what_was_refused_long_ago_before_another_command_as_a_renewal_or_by_a_stop_that_is_over_is_not_told(robots):
     for now in (
         with_refusal(robots["lbr"], 61.0),
         with_refusal(with_refusal(robots["lbr"], 9.0), 3.0, kind="holder", code=""),
         with_refusal(robots["lbr"], 3.0, code="dead_lease"),
+        with_refusal(robots["lbr"], 3.0, code="estop"),
     ):
         assert explain(now, "drive").state == "ok"
 
