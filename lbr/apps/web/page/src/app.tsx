@@ -1,12 +1,13 @@
 // The shell: what is above, beside and below every view.
-import { computed, signal } from "@preact/signals";
+import { signal } from "@preact/signals";
 import { Component, type ComponentType, type Ref } from "preact";
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { unknown } from "./access";
 import { loadAgain, outdated } from "./build";
 import { Fallen } from "./fallen";
 import { Asked } from "./handover";
-import { link, status } from "./live";
+import { mends, unwell } from "./lacking";
+import { link } from "./live";
 import { Mend } from "./mend";
 import { dismiss, notices, type Tone } from "./notices";
 import { Badge, Button, Dialog, Empty, Icon, type IconName } from "./parts";
@@ -24,12 +25,8 @@ export const place = signal(location.hash.slice(1).split("/")[0] ?? "");
 window.addEventListener("hashchange", () => { place.value = location.hash.slice(1).split("/")[0] ?? ""; });
 
 const TONES: Record<Tone, IconName> = { info: "info", good: "check", warn: "warn", bad: "warn" };
-const SETTLED_S = 8;
 const TYPED = "input:not([type=range]):not([type=checkbox]), textarea, select";
 const PRESSED = "button, a, input, textarea, select, [role=radio], [role=tab], [role=slider], summary";
-
-/** Parts are not well, and the robot has had the time to start them. */
-const unwell = computed(() => (status.value?.uptime_s ?? 0) > SETTLED_S && status.value!.capabilities.some((one) => one.phase === "failed" || one.phase === "degraded"));
 
 function useStopKeys(): void {
   useEffect(() => {
@@ -49,9 +46,8 @@ export function App() {
   useStopKeys();
   const [settings, openSettings] = useState(false);
   const [connecting, connect] = useState(false);
-  const [mending, mends] = useState(false);
   useEffect(() => {
-    const close = (): void => mends(false);
+    const close = (): void => { mends.value = false; };
     window.addEventListener("hashchange", close);
     return () => window.removeEventListener("hashchange", close);
   }, []);
@@ -70,7 +66,7 @@ export function App() {
           </h1>
           <div class="top-end">
             <LinkState />
-            {known && unwell.value && <Button class="top-mend" kind="quiet" icon="warn" label={t("lacking.title")} onClick={() => mends(true)}>{t("lacking.title")}</Button>}
+            {known && unwell.value.length > 0 && <Button class="top-mend" kind="quiet" icon="warn" label={t("lacking.title")} onClick={() => { mends.value = true; }}>{t("lacking.title")}</Button>}
             {knows("phone") && <Button class="top-phone" kind="quiet" icon="mobile" label={t("phone.connect")} onClick={() => connect(true)}>{t("phone.connect")}</Button>}
             <Button kind="quiet" icon="settings" label={t("shell.settings")} onClick={() => openSettings(true)} />
           </div>
@@ -89,7 +85,7 @@ export function App() {
       <Notices />
       <StopButton />
       <Settings open={settings} onClose={() => openSettings(false)} />
-      <Dialog title={t("lacking.title")} open={mending} onClose={() => mends(false)}><Shown view={LACKING} /></Dialog>
+      <Dialog title={t("lacking.title")} open={mends.value} onClose={() => { mends.value = false; }}><Shown view={LACKING} /></Dialog>
       <ConnectPhone open={connecting} onClose={() => connect(false)} />
     </>
   );

@@ -1,6 +1,7 @@
 // The button that mends a refusal, beside the sentence that tells it; by its code.
 import { askFor } from "./handover";
 import { holding } from "./holding";
+import { mends, unwell } from "./lacking";
 import { Button, type IconName } from "./parts";
 import { able, command, may, robot } from "./robot";
 import { asksReset } from "./stopping";
@@ -18,6 +19,9 @@ const all = (name: string, message: object, text: WordKey, icon: IconName): Way[
 const taken = (about: string): Way[] => !lends(about) ? [] : [{ text: "drive.takeover", icon: "drive", pressed: holding.takesOver.value, go: holding.takeOver }];
 const held = (about: string): Way[] => !lends(about) ? [] : [{ text: "hand.ask", icon: "person", go: () => void askFor(about) }, ...taken(about)];
 
+/** What is missing keeps it from that: the list of it says where to begin. */
+const lacks = (): Way[] => unwell.value.length === 0 ? [] : [{ text: "lacking.title", icon: "warn", go: () => { mends.value = true; } }];
+
 const WAYS: Record<string, (about: string) => Way[]> = {
   no_torque: () => all("torque", { on: true }, "mend.on", "bolt"),
   latched: () => all("recover", {}, "joints.recover", "restart"),
@@ -25,6 +29,10 @@ const WAYS: Record<string, (about: string) => Way[]> = {
   held,
   held_by_part: taken,
   foreign_lease: held,
+  unwell: lacks,
+  not_armed: lacks,
+  not_ready: lacks,
+  unreachable: lacks,
 };
 
 /** Whether a refusal of this code, of that capability, has a button. */

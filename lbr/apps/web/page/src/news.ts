@@ -1,15 +1,17 @@
 // What is over is news for a moment: a status line shows it, and then what is.
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { SHOWN_MS } from "./holding";
 
-/** Whether `what` began to be so a moment ago; empty is no news. */
-export function useNews(what: string): boolean {
-  const [over, end] = useState("");
+/** Whether `what` began to be so a moment ago, while this was shown; empty is no news, null is not heard yet. */
+export function useNews(what: string | null): boolean {
+  const [news, tell] = useState("");
+  const heard = useRef(false);
   useEffect(() => {
-    end("");
-    if (!what) return;
-    const timer = setTimeout(() => end(what), SHOWN_MS);
+    if (what === null) return undefined;
+    tell(heard.current ? what : "");
+    heard.current = true;
+    const timer = setTimeout(() => tell(""), SHOWN_MS);
     return () => clearTimeout(timer);
   }, [what]);
-  return what !== "" && over !== what;
+  return Boolean(what) && news === what;
 }

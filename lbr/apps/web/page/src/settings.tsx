@@ -1,14 +1,14 @@
 // Appearance, language, and who this is.
 import { signOut, token } from "./access";
 import { theme, type Theme } from "./begin";
-import { Button, Dialog, Segments } from "./parts";
-import { robot } from "./robot";
+import { Button, Dialog, Icon, Segments } from "./parts";
+import { may, robot } from "./robot";
 import { language, t, type Language } from "./words";
 
 export function Settings({ open, onClose }: { open: boolean; onClose: () => void }) {
   const known = robot.value;
   return (
-    <Dialog title={t("shell.settings")} open={open} onClose={onClose}>
+    <Dialog title={t("settings.page")} open={open} onClose={onClose}>
       <div class="stack">
         <h3 class="field-label">{t("settings.theme")}</h3>
         <Segments<Theme>
@@ -21,6 +21,7 @@ export function Settings({ open, onClose }: { open: boolean; onClose: () => void
           options={[{ value: "en", text: "English" }, { value: "de", text: "Deutsch" }]}
         />
         {known && <p class="muted">{t("settings.you")}: {t(`role.${known.role}`)}. {t("settings.about", { version: known.version, robot: known.robot })}</p>}
+        {may("operate") && <div><a class="button button-plain" href="#system/settings" onClick={onClose}><Icon name="system" /><span>{t("settings.robot")}</span></a></div>}
         {token.value && <div><Button kind="danger" onClick={() => void signOut()}>{t("sign.out")}</Button></div>}
       </div>
     </Dialog>

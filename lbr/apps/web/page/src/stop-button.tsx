@@ -34,7 +34,7 @@ export function StopButton() {
     <button
       id="stop" type="button" class="stop" data-pressed={pressed || undefined}
       onPointerDown={(event) => { event.currentTarget.setPointerCapture?.(event.pointerId); down(); }}
-      onPointerUp={up} onPointerCancel={up} onContextMenu={(event) => event.preventDefault()}
+      onPointerUp={() => { pressedAt.current = performance.now(); up(); }} onPointerCancel={up} onContextMenu={(event) => event.preventDefault()}
       onKeyDown={(event) => { if (isPress(event)) { event.preventDefault(); if (!event.repeat) down(); } }}
       onKeyUp={(event) => { if (isPress(event)) up(); }}
       onClick={() => { if (performance.now() - pressedAt.current > 2 * HOLD_MS) void stop(); }}

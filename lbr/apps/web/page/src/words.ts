@@ -1,6 +1,7 @@
 // All text of the page, English and German side by side. A view's own words stand in `words/`, and come with the view.
 import { signal } from "@preact/signals";
 import type { behaviours } from "./words/behaviours";
+import type { below } from "./words/below";
 import type { call } from "./words/call";
 import { codes } from "./words/codes";
 import { drive } from "./words/drive";
@@ -12,7 +13,7 @@ import { plain } from "./format";
 import { remembered } from "./kept";
 
 type Text = readonly [english: string, german: string];
-export type WordKey = keyof (typeof shell & typeof behaviours & typeof call & typeof codes & typeof drive & typeof joints & typeof motions & typeof system);
+export type WordKey = keyof (typeof shell & typeof behaviours & typeof below & typeof call & typeof codes & typeof drive & typeof joints & typeof motions & typeof system);
 /** What can be said so far. */
 export const TABLE: Partial<Record<WordKey, Text>> = { ...shell, ...codes, ...drive };
 

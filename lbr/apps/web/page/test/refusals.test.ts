@@ -1,10 +1,12 @@
-import "./stage";
+import { pass } from "./stage";
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { told } from "../src/access";
+import { status } from "../src/live";
 import { mendable } from "../src/mend";
+import { dismiss, notice, notices, toldLately } from "../src/notices";
 import { robot } from "../src/robot";
-import type { Capability, Robot } from "../src/messages";
+import type { Capability, CapabilityStatus, Robot, Status } from "../src/messages";
 import { language, TABLE } from "../src/words";
 
 const capability = (name: string, commands: Record<string, boolean>): Capability =>
@@ -29,4 +31,28 @@ test("a refusal has a button where this robot, and this person, can mend it so",
   robot.value = { ...robot.value, role: "view" };
   assert.equal(mendable("estop"), false);
   robot.value = null;
+});
+
+test("what is missing is listed behind a refusal that it causes, once the robot has had time to start", () => {
+  robot.value = { role: "operate", capabilities: [] } as unknown as Robot;
+  const parts = (phase: string): CapabilityStatus[] => [{ name: "motors", phase } as CapabilityStatus];
+  const told = (phase: string, uptime_s: number): void => { status.value = { uptime_s, capabilities: parts(phase) } as Status; };
+  const offered = (): boolean[] => ["not_armed", "unwell", "obstacle"].map((code) => mendable(code));
+  told("degraded", 60);
+  assert.deepEqual(offered(), [true, true, false]);
+  told("degraded", 3);
+  assert.deepEqual(offered(), [false, false, false]);
+  told("ready", 60);
+  assert.deepEqual(offered(), [false, false, false]);
+  [robot.value, status.value] = [null, null];
+});
+
+test("a refusal that a notice told is not told once more beside it, until some time has passed", () => {
+  notice("Joints are off.", "warn", { code: "no_torque" });
+  assert.ok(toldLately("Joints are off."));
+  dismiss(notices.value.at(-1)!.id);
+  assert.ok(toldLately("Joints are off."));
+  assert.ok(!toldLately("It has fallen."));
+  pass(7000);
+  assert.ok(!toldLately("Joints are off."));
 });

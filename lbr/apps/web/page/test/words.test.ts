@@ -5,12 +5,13 @@ import { dirname, join, relative } from "node:path";
 import { test } from "node:test";
 import { language, learn, maybe, TABLE, t } from "../src/words";
 import { behaviours } from "../src/words/behaviours";
+import { below } from "../src/words/below";
 import { call } from "../src/words/call";
 import { joints } from "../src/words/joints";
 import { motions } from "../src/words/motions";
 import { system } from "../src/words/system";
 
-const OF_VIEWS: Record<string, object> = { behaviours, call, joints, motions, system };
+const OF_VIEWS: Record<string, object> = { behaviours, below, call, joints, motions, system };
 const FIRST = { ...TABLE };
 Object.values(OF_VIEWS).forEach(learn);
 const SOURCES = join(process.cwd(), "src");

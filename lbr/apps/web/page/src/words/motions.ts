@@ -17,7 +17,7 @@ export const motions = {
   "motions.key.reset": ["Stand up", "Aufstehen"],
   "motions.remote": ["Remote control", "Fernbedienung"],
   "motions.keep": ["Make a motion by hand", "Bewegung von Hand machen"],
-  "motions.keep.text": ["Release joints, put them where they are to be, and keep the pose: each one follows the last as a key frame.", "Gelenke lösen, von Hand stellen, die Stellung behalten: Jede folgt der letzten als Schlüsselbild."],
+  "motions.keep.text": ["Switch joints off, put them where they are to be, and keep the pose: each one follows the last as a key frame.", "Gelenke ausschalten, von Hand stellen, die Stellung behalten: Jede folgt der letzten als Schlüsselbild."],
   "motions.keep.name": ["Name of the motion", "Name der Bewegung"],
   "motions.keep.lasts": ["Reached within", "Erreicht in"],
   "motions.keep.do": ["Keep this pose", "Stellung behalten"],

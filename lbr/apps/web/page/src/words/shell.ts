@@ -74,6 +74,8 @@ export const shell = {
   "role.view": ["may look and stop", "darf zusehen und anhalten"],
   "role.operate": ["may operate", "darf bedienen"],
   "role.admin": ["may do everything", "darf alles"],
+  "settings.page": ["This page", "Diese Seite"],
+  "settings.robot": ["Settings of the robot", "Einstellungen des Roboters"],
   "settings.theme": ["Appearance", "Aussehen"],
   "settings.auto": ["As the device", "Wie das Gerät"],
   "settings.dark": ["Dark", "Dunkel"],

@@ -175,6 +175,7 @@ export const system = {
   "devices.preview": ["Add", "Hinzufügen"],
   "devices.sure": ["Write these rows?", "Diese Zeilen schreiben?"],
   "devices.write": ["Yes, write", "Ja, schreiben"],
+  "devices.rows": ["The devices", "Die Geräte"],
   "devices.written": ["The rows are written", "Die Zeilen sind geschrieben"],
   "tokens.role": ["Who may come in is for admins", "Wer herein darf, sehen nur Verwalter"],
   "tokens.none": ["No device has a token", "Kein Gerät hat ein Token"],

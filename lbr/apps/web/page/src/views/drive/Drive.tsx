@@ -1,16 +1,15 @@
 // Drive: the robot's eyes, the stick, and why it does not move.
-import { useEffect } from "preact/hooks";
+import type { ComponentType } from "preact";
+import { useEffect, useState } from "preact/hooks";
 import { Badge, Slider, Toggle } from "../../parts";
 import { number, percent } from "../../format";
 import { may, robot, streamOfType } from "../../robot";
 import { t } from "../../words";
-import { CompassCard } from "./CompassCard";
 import { Gauges } from "./Gauges";
 import { gather } from "./MapView";
 import { Distances } from "./Distances";
 import { Moves } from "./Moves";
 import { base, gamepad, listenToHands, sideways, top } from "./pilot";
-import { Songs } from "./Songs";
 import { Speak } from "./Speak";
 import { Stage } from "./Stage";
 import { Stick } from "./Stick";
@@ -25,6 +24,8 @@ export default function Drive() {
   useEffect(() => listenToHands(drive), [drive]);
   useEffect(gather, [robot.value?.revision]);
   useEffect(keepAwake, []);
+  const [below, show] = useState<{ Shown?: ComponentType }>({});
+  useEffect(() => { import("./Below").then((module) => show({ Shown: module.default }), () => undefined); }, []);
   return (
     <div class="drive">
       <h2 class="sr">{t("view.drive")}</h2>
@@ -45,8 +46,7 @@ export default function Drive() {
         <Moves drive={drive} />
         <Speak />
         <Distances />
-        <Songs />
-        <CompassCard />
+        {below.Shown && <below.Shown />}
         {gamepad.value ? <Badge icon="gamepad" tone="good">{t(sideways() ? "drive.gamepad.aside" : "drive.gamepad")}</Badge> : matchMedia("(pointer: fine)").matches && <p class="drive-keys muted">{t(sideways() ? "drive.keys.aside" : "drive.keys")}</p>}
       </div>
     </div>

@@ -7,10 +7,12 @@ import { plain } from "../../format";
 import { capabilities, command, may, robot, streamOfType } from "../../robot";
 import { language, t } from "../../words";
 
-const MOST = 24;
+/** So many are offered at first. */
+const FEW = 6;
 
 export function Speak() {
   const [text, write] = useState("");
+  const [every, offer] = useState(false);
   const speech = capabilities("speech")[0]?.name;
   const state = useStream<SpeechState>(streamOfType("SpeechState"));
   if (!speech) return null;
@@ -22,7 +24,7 @@ export function Speak() {
   };
   const all = robot.value?.phrases ?? [];
   const own = all.filter((one) => !one.language || one.language === language.value);
-  const phrases = [...new Map((own.length > 0 ? own : all).map((one) => [one.name, one])).values()].slice(0, MOST);
+  const phrases = [...new Map((own.length > 0 ? own : all).map((one) => [one.name, one])).values()];
   const speaking = state?.message.speaking ?? false;
   return (
     <Card title={t("drive.speak")} icon="speak" actions={<Button kind="quiet" icon="hush" label={t("drive.hush")} disabled={!may("operate")} onClick={() => void command(speech, "hush", {})} />}>
@@ -33,7 +35,8 @@ export function Speak() {
       {speaking && <p class="drive-speaking" role="status">“{state!.message.text}”</p>}
       {phrases.length > 0 && (
         <div class="drive-phrases">
-          {phrases.map((one) => <button key={one.name} type="button" class="drive-phrase" title={one.text} disabled={!may("operate")} onClick={() => void command(speech, "say", { phrase: one.name, language: one.language ?? "" })}>{plain(one.name)}</button>)}
+          {(every ? phrases : phrases.slice(0, FEW)).map((one) => <button key={one.name} type="button" class="drive-phrase" title={plain(one.name)} disabled={!may("operate")} onClick={() => void command(speech, "say", { phrase: one.name, language: one.language ?? "" })}>{one.text ? `“${one.text}”` : plain(one.name)}</button>)}
+          {phrases.length > FEW && <Button kind="quiet" onClick={() => offer(!every)}>{t(every ? "drive.phrases.few" : "drive.phrases.all", { count: phrases.length })}</Button>}
         </div>
       )}
     </Card>

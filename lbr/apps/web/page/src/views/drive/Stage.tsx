@@ -3,7 +3,9 @@ import { useState } from "preact/hooks";
 import { useSignal } from "@preact/signals";
 import { age as ageText } from "../../format";
 import { remember, remembered } from "../../kept";
+import { illness } from "../../lacking";
 import { useStream } from "../../live";
+import { Mend } from "../../mend";
 import type { AttitudeState, CameraState, OdometryState } from "../../messages";
 import { Badge, Button, Choice, Empty, Icon, Segments, type IconName } from "../../parts";
 import { capabilities, command, may, streamOfType } from "../../robot";
@@ -72,10 +74,11 @@ function Camera({ names }: { names: string[] }) {
     if (chooser && may("operate")) void command(chooser.name, "select", { name: next.replace(PREFIX, "") });
   };
   const age = usePictureAge(state);
+  const ill = state?.message.frames ? "" : illness(name);
   const on = state === null || state.message.on;
   return (
     <>
-      {on ? <Shown name={name} /> : <div class="drive-nopicture"><Icon name="camera" /><p>{t("drive.camera.off")}</p><p class="muted">{state?.message.reason}</p></div>}
+      {ill ? <div class="drive-nopicture" role="status"><Icon name="camera" /><p>{t("drive.camera.ill")}</p><p class="muted" lang="en">{ill}</p><Mend code="unwell" /></div> : on ? <Shown name={name} /> : <div class="drive-nopicture"><Icon name="camera" /><p>{t("drive.camera.off")}</p><p class="muted">{state?.message.reason}</p></div>}
       {names.length > 1 && (
         <div class="drive-camera">
           <Choice label={t("drive.camera")} value={name} options={names.map((one) => ({ value: one, text: named(one.replace(PREFIX, "")) }))} onChange={pick} />

@@ -1,18 +1,21 @@
 // One line that always says what the base does, who holds it, or why it does not move.
-import { useState } from "preact/hooks";
+import type { Ref } from "preact";
+import { useEffect, useRef, useState } from "preact/hooks";
 
 import { told } from "../../access";
+import { illness, unwell } from "../../lacking";
 import { Mend } from "../../mend";
 import { notices } from "../../notices";
 import { number, percent, plain } from "../../format";
 import { named } from "../../handover";
 import { holding } from "../../holding";
 import { clock, pace, useStream, type Pace } from "../../live";
-import type { DriveState } from "../../messages";
+import type { BatteryState, DriveState } from "../../messages";
 import { useNews } from "../../news";
 import { Button, Icon, Stale, type IconName } from "../../parts";
-import { consoleLine, fetchJson, knows, may, robot, role } from "../../robot";
-import { maybe, t } from "../../words";
+import { consoleLine, fetchJson, knows, may, robot, role, streamOfType } from "../../robot";
+import { language, maybe, t } from "../../words";
+import type { Run } from "../behaviours/data";
 import { first } from "./line";
 import { refused } from "./pilot";
 
@@ -21,24 +24,33 @@ interface Chain { state: string; text: string; code: string; do: string }
 
 interface Line { tone: "calm" | "good" | "warn" | "bad"; icon: IconName; head: string; text: string; code?: string }
 
+/** What the base tells of itself, whether its last end is news, what runs it, and whether it is on a charger. */
+interface Told { drive: DriveState | null; fresh: boolean; run: Run | null; failed: boolean; charging: boolean; part: string }
+
+/** A run that somebody ended did not fail. */
+const ENDED_BY_HAND = new Set(["stopped", "cancelled", "estop", "taken_over"]);
+
 export function Why({ from }: { from: string }) {
   void clock.value;
   const sample = useStream<DriveState>(from);
   const drive = sample?.message ?? null;
-  const fresh = useNews(drive && !drive.moving ? `${drive.code} ${drive.reason}` : "");
-  const line = said(drive, fresh);
-  const mine = holding.state.value.moving;
-  const [why, setWhy] = useState<Chain | null>(null);
+  const run = useStream<Run>(streamOfType("BehaviourState"))?.message ?? null;
+  const charging = useStream<BatteryState>(streamOfType("BatteryState"))?.message.charging ?? false;
   const part = from.split("/")[0]!;
-  const look = async () => {
-    const answer = await fetchJson<Chain>(`/api/why/${part}`);
-    setWhy(answer.ok ? answer.data : null);
-  };
-  const stands = !mine && !sample?.message.moving;
+  const fresh = useNews(drive && (drive.moving ? "" : `${drive.code} ${drive.reason}`));
+  const failed = useNews(run && (run.phase === "ended" && run.good === false && !ENDED_BY_HAND.has(run.code) ? `${run.table} ${run.reason}` : ""));
+  const line = said({ drive, fresh, run, failed, charging, part });
+  const mine = holding.state.value.moving;
+  const [asks, ask] = useState(false);
+  const stands = !mine && !drive?.moving;
+  const why = useChain(asks && stands ? part : "", `${drive?.estop} ${drive?.code} ${holding.state.value.code}`);
+  const [place, away] = useAway();
+  const telling = line.tone !== "calm" || line.text !== "" || drive?.moving;
   return (
-    <div class="drive-why" data-tone={line.tone} data-open={why !== null || undefined}>
+    <div class="drive-why-place" ref={place}>
+    <div class="drive-why" data-tone={line.tone} data-open={why !== null || undefined} data-away={(away && telling) || undefined}>
       <Icon name={line.icon} />
-      {stands && why ? (
+      {why ? (
         <p role="status" class="drive-because">
           <strong>{why.state === "ok" ? t("drive.why.nothing") : maybe(`code.${why.code}`) || t("drive.why")}</strong>
           {why.state !== "ok" && <span lang="en">{why.text}</span>}
@@ -47,10 +59,36 @@ export function Why({ from }: { from: string }) {
         <p role="status"><strong>{line.head}</strong>{line.text && <span>{line.text}</span>}</p>
       )}
       {sample && <Stale sample={sample} />}
-      <Button kind="quiet" icon="info" class={stands ? "" : "drive-unseen"} pressed={why !== null} onClick={() => (why ? setWhy(null) : void look())}>{t("drive.why")}</Button>
-      {stands && why ? <Cure of={why} part={part} /> : !mine && line.code && <Mend code={line.code} about={part} />}
+      <Button kind="quiet" icon="info" class={stands ? "" : "drive-unseen"} pressed={asks} onClick={() => ask(!asks)}>{t("drive.why")}</Button>
+      {why ? <Cure of={why} part={part} /> : !mine && line.code && <Mend code={line.code} about={part} />}
+    </div>
     </div>
   );
+}
+
+/** What holds a part, as the robot answers it; asked again whenever `now` is another. Null until it has answered, and of no part. */
+function useChain(part: string, now: string): Chain | null {
+  const [heard, tell] = useState<{ of: string; chain: Chain } | null>(null);
+  const of = `${part} ${now}`;
+  useEffect(() => {
+    if (!part) return undefined;
+    let over = false;
+    void fetchJson<Chain>(`/api/why/${part}`).then((answer) => { if (!over && answer.ok && answer.data) tell({ of, chain: answer.data }); });
+    return () => { over = true; };
+  }, [of]);
+  return part && heard?.of === of ? heard.chain : null;
+}
+
+/** Whether the element is scrolled away. */
+function useAway(): [Ref<HTMLDivElement>, boolean] {
+  const place = useRef<HTMLDivElement>(null);
+  const [away, tell] = useState(false);
+  useEffect(() => {
+    const seen = new IntersectionObserver(([one]) => tell(!one!.isIntersecting), { rootMargin: "-56px 0px 0px" });
+    seen.observe(place.current!);
+    return () => seen.disconnect();
+  }, []);
+  return [place, away];
 }
 
 /** What mends what the robot tells: a button by its code, or the restart of the part that it names. */
@@ -60,7 +98,8 @@ function Cure({ of, part }: { of: Chain; part: string }) {
   return <Mend code={of.code} about={part} />;
 }
 
-function said(drive: DriveState | null, fresh: boolean): Line {
+function said(all: Told): Line {
+  const { drive, fresh, run } = all;
   const hand = holding.state.value;
   const { holds, code, reason, holder } = hand;
   if (!may("operate")) return { tone: "calm", icon: "info", head: t("drive.stick.view", { role: t(`role.${role.value ?? "view"}`) }), text: other(drive, fresh) };
@@ -72,10 +111,11 @@ function said(drive: DriveState | null, fresh: boolean): Line {
     case "mine":
       return slow(pace.value) ?? { tone: "good", icon: "drive", head: t("drive.you"), text: goalOf(drive) ?? "" };
     case "other":
+      if (isPart(drive!.holder) && runs(run)) return { ...running(run!), code: "held_by_part" };
       return { tone: "calm", icon: "person", head: t("drive.holder", { holder: whose(drive!.holder ?? "?") }), text: goalOf(drive) ?? drive!.reason, code: isPart(drive!.holder) ? "held_by_part" : "held" };
     case "ended": {
       const again = refused.value ? t("drive.again") : "";
-      if (code === "stopped" && justStopped()) return again ? { tone: "warn", icon: "warn", head: again, text: "" } : rest(drive, false);
+      if (code === "stopped" && justStopped()) return again ? { tone: "warn", icon: "warn", head: again, text: "" } : rest({ ...all, fresh: false });
       if (code === "held") return { tone: "warn", icon: "person", head: heldBy(holder || drive?.holder), text: again, code };
       const own = maybe(`refused.${code}`) || maybe(`code.${code}`);
       const head = over ? own || told({ code: "", reason }) : again;
@@ -83,7 +123,7 @@ function said(drive: DriveState | null, fresh: boolean): Line {
       return { tone: "warn", icon: "warn", head, text: more.filter(Boolean).map((one) => one.replace(/[.\s]*$/, ".")).join(" "), code };
     }
     default:
-      return rest(drive, fresh);
+      return rest(all);
   }
 }
 
@@ -102,10 +142,21 @@ const whose = (holder: string): string => (isPart(holder) ? plain(holder) : name
 
 const heldBy = (holder: string | null | undefined): string => (holder ? t("drive.holder", { holder: whose(holder) }) : t("code.held"));
 
-function rest(drive: DriveState | null, fresh: boolean): Line {
+function rest({ drive, fresh, run, failed, charging, part }: Told): Line {
   if (!drive) return { tone: "calm", icon: "info", head: t("age.never"), text: "" };
-  return { tone: "calm", icon: "check", head: t("drive.ready"), text: fresh && drive.code && drive.code !== "idle" && !byHand(drive) ? drive.reason : "" };
+  if (runs(run)) return running(run!);
+  if (failed) return { tone: "warn", icon: "warn", head: t("drive.run.failed", { table: plain(run!.table) }), text: run!.reason };
+  const ill = illness(part);
+  if (ill) return { tone: "warn", icon: "warn", head: t("drive.unwell"), text: ill, code: "unwell" };
+  const text = fresh && drive.code && drive.code !== "idle" && !byHand(drive) ? reasonOf(drive) : "";
+  return { tone: "calm", icon: charging ? "bolt" : "check", head: t(charging ? "drive.charges" : "drive.ready"), text, code: unwell.value.length > 0 ? "unwell" : "" };
 }
+
+const runs = (run: Run | null): boolean => run?.phase === "running" || run?.phase === "paused";
+const running = (run: Run): Line => ({ tone: "good", icon: "behaviours", head: plain(run.table), text: plain(run.state) });
+
+/** The robot's sentence, which is English; in another language what its code means. */
+const reasonOf = ({ code, reason }: DriveState): string => (language.value !== "en" && maybe(`code.${code}`)) || reason;
 
 /** This page stopped it a moment ago, and says so already. */
 const justStopped = (): boolean => notices.value.some((one) => one.text === t("stop.stopped"));

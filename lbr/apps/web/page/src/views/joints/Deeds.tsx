@@ -10,7 +10,8 @@ import { buttons, deeds, keyName, Progress, rows, type MotionsState } from "../m
 import { Playing } from "../motions/Playing";
 import { ownerOf, useCalm } from "./hooks";
 
-export function Deeds() {
+/** `said`: what stands beside it already. */
+export function Deeds({ said }: { said: string }) {
   const stream = streamOfType("MotionsState");
   const owner = ownerOf(stream);
   const state = useCalm<MotionsState>(stream)?.message;
@@ -28,7 +29,7 @@ export function Deeds() {
   };
   return (
     <section class="joints-deeds" aria-label={t("joints.deeds")}>
-      <Playing state={state} part={progress.part(state)} onStop={end} />
+      <Playing state={state} part={progress.part(state)} said={said} onStop={end} />
       <div class="joints-deeds-all">
         {offered.map((one) => <Button key={one.name} icon="play" title={one.help} disabled={!can} onClick={() => holding.play(`${owner}/play`, { motion: one.name, times: 1 })}>{named(one.name)}</Button>)}
         <a class="button button-quiet" href="#motions">{t("joints.deeds.all")}</a>

@@ -6,7 +6,9 @@ import { plain } from "../../format";
 import { Badge, Button, Card, Dialog, Empty, Icon, Segments, Stale, Toggle } from "../../parts";
 import { told } from "../../access";
 import { Mend } from "../../mend";
+import { illness } from "../../lacking";
 import { useNews } from "../../news";
+import { toldLately } from "../../notices";
 import { command, may, robot } from "../../robot";
 import { estop } from "../../stopping";
 import { learn, t } from "../../words";
@@ -58,7 +60,7 @@ function Shown({ model }: { model: BodyModel }) {
   const mover = useMemo(() => new Movers(), []);
   const names = jointNames(model);
   const operates = may("operate");
-  const fresh = useNews(state ? whyNot(state) : "");
+  const fresh = useNews(state ? whyNot(state) : null);
   const lost = state?.phase === "holding" || state?.phase === "releasing";
 
   useEffect(() => { if (state) mover.seen(positions(state)); }, [state]);
@@ -88,18 +90,21 @@ function Shown({ model }: { model: BodyModel }) {
 
   if (names.length === 0) return <Empty icon="joints" title={t("joints.none")}>{model.reason && <p>{model.reason}</p>}</Empty>;
   const groups = grouped(names, model, joints?.owners ?? {});
-  const why = state && !estop.value.engaged && !state.moving && (fresh || lost) ? whyNot(state) : "";
+  const owned = [...new Set(Object.values(joints?.owners ?? {}))];
+  const sick = owned.map(illness).find(Boolean) ?? "";
+  const now = state && !estop.value.engaged && !state.moving && (fresh || lost) ? whyNot(state) : "";
+  const why = sick || (toldLately(now) ? "" : now);
   return (
     <div class="joints">
       <div class="joints-left">
         {model.links.length > 0
           ? <Body3d model={model} streams={streams} selected={selected} may={operates} onPick={pick} onDrag={(joint, rad) => aim(joint, rad, true)} onDrop={() => mover.drop()} />
           : <div class="joints-stage"><Empty icon="joints" title={t("joints.nobody")}><p>{model.reason}</p></Empty></div>}
-        {[...new Set(Object.values(joints?.owners ?? {}))].map((owner) => <Held key={owner} capability={owner} />)}
-        {why && <div class="joints-why" role="status"><Icon name="info" /><p>{why}</p><Mend code={state!.code ?? ""} /></div>}
+        {owned.map((owner) => <Held key={owner} capability={owner} />)}
+        {why && <div class="joints-why" role="status"><Icon name="info" /><p>{why}</p><Mend code={sick ? "unwell" : state!.code ?? ""} /></div>}
       </div>
       <div class="joints-right">
-        <Deeds />
+        <Deeds said={why} />
         <Torque names={names} model={model} joints={joints} onRecover={recover} />
         <Moving both={both} onBoth={setBoth} may={operates} pairs={names.some((name) => mirrored(name, names))} />
         <div class="joints-groups">

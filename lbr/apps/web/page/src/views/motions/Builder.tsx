@@ -55,6 +55,11 @@ export function Builder({ model, motions, player }: { model: BodyModel; motions:
     chosen.value = place;
     setTime(null);
   };
+  /** A limb that is pressed has its slider in sight. */
+  const choose = (name: string): void => {
+    pick(name);
+    if (name) requestAnimationFrame(() => document.querySelector(".motions-number")?.scrollIntoView({ block: "nearest", behavior: "smooth" }));
+  };
   const capture = (): void => { if (state) append(measured()); };
   const acts: Acts = {
     add: () => append(frame ? poseAt(now.frames, at) : zero(model)),
@@ -97,7 +102,7 @@ export function Builder({ model, motions, player }: { model: BodyModel; motions:
   return (
     <div class="motions-builder">
       <div class="motions-build-main">
-        <Puppet model={model} pose={pose} tilt={time !== null && sample ? sample : null} selected={joint} drags={time === null && frame !== undefined && !live} live={live} onPick={pick} onDrag={(name, rad) => put({ [name]: rad }, name)} />
+        <Puppet model={model} pose={pose} tilt={time !== null && sample ? sample : null} selected={joint} drags={time === null && frame !== undefined && !live} live={live} onPick={choose} onDrag={(name, rad) => put({ [name]: rad }, name)} />
         <Timeline model={model} time={time} report={report} wrong={new Set(limits.map((one) => one.frame))} onTime={setTime} />
         <Tools acts={acts} frame={frame !== undefined}>
           <Preview whole={lasts(now.frames)} time={time} onTime={(s) => { goLive(false); setTime(s); }} />

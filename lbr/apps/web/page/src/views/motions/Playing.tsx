@@ -3,16 +3,17 @@ import { told } from "../../access";
 import { number, plain } from "../../format";
 import { Mend } from "../../mend";
 import { useNews } from "../../news";
+import { toldLately } from "../../notices";
 import { Button, Icon } from "../../parts";
 import { t } from "../../words";
 import type { MotionsState } from "./data";
 import "./Playing.css";
 
-export function Playing({ state, part, onStop }: { state?: MotionsState; part: number; onStop: () => void }) {
-  const fresh = useNews(state && !state.playing ? `${state.code ?? ""} ${state.reason ?? ""}`.trim() : "");
+export function Playing({ state, part, said = "", onStop }: { state?: MotionsState; part: number; said?: string; onStop: () => void }) {
+  const fresh = useNews(state ? (state.playing ? "" : `${state.code ?? ""} ${state.reason ?? ""}`.trim()) : null);
   if (!state?.playing) {
     const why = fresh && state?.reason && state.code && !["done", "idle", "", "cancelled", "estop", "lapsed", "holder_gone"].includes(state.code) ? told({ code: state.code, reason: state.reason }) : "";
-    return why ? <div class="motions-why" role="status"><Icon name="info" /><p>{why}</p><Mend code={state?.code ?? ""} /></div> : null;
+    return why && why !== said && !toldLately(why) ? <div class="motions-why" role="status"><Icon name="info" /><p>{why}</p><Mend code={state?.code ?? ""} /></div> : null;
   }
   return (
     <section class="motions-playing" aria-label={t("motions.playing", { motion: plain(state.motion ?? "") })}>

@@ -50,10 +50,10 @@ export function Puppet(props: Props) {
   const flat = failed || !solid.value;
   return (
     <div class="joints-stage motions-puppet" data-ready={ready || flat}>
-      {flat ? <Figure model={model} pose={pose} /> : <canvas ref={canvas} class="joints-canvas" role="img" aria-label={t("motions.puppet")} />}
+      {flat ? <Figure model={model} pose={pose} selected={selected} onPick={props.onPick} /> : <canvas ref={canvas} class="joints-canvas" role="img" aria-label={t("motions.puppet")} />}
       {live && <p class="motions-live"><Icon name="link" />{t("motions.live")}</p>}
       {flat && !failed && <div class="joints-stage-side"><Button kind="quiet" onClick={() => choose(true)}>{t("joints.solid")}</Button></div>}
-      {!flat && <p class="joints-stage-hint">{t(tilt ? "motions.puppet.simulated" : live ? "motions.puppet.live" : "motions.puppet.hint")}</p>}
+      <p class="joints-stage-hint">{t(flat ? "joints.flat" : tilt ? "motions.puppet.simulated" : live ? "motions.puppet.live" : "motions.puppet.hint")}</p>
     </div>
   );
 }

@@ -14,7 +14,7 @@ export interface Motion { name: string; help?: string; frames: KeyFrame[]; lead_
 
 export const poses = signal<Record<string, Record<string, number>>>({});
 let of = "";
-const AGAIN_MS = 1000, MOST_TRIES = 8;
+const AGAIN_MS = 1000, MOST_TRIES = 30;
 
 /** Loads a pose of each motion. A server that starts again with new rows does not answer, or not of them yet: then it is asked again. */
 export async function loadPoses(revision: string): Promise<void> {
@@ -27,6 +27,7 @@ export async function loadPoses(revision: string): Promise<void> {
     if (answer.ok && rows().every((one) => one.slot != null || one.name in poses.value)) return;
     await new Promise((done) => { setTimeout(done, AGAIN_MS); });
   }
+  of = "";
 }
 
 export const rows = (): MotionRow[] => (robot.value?.motions ?? []) as unknown as MotionRow[];

@@ -22,7 +22,7 @@ export function Devices() {
     ask(null);
     const answer = await changeAll(offer.changes, true);
     if (answer.ok) notice(t("devices.written"), "good");
-    if (answer.ok) noteMade(t("devices.written"), answer);
+    if (answer.ok) noteMade(t("devices.written"), t("devices.rows"), answer);
     await look();
   };
   const offered = (address: string): Offer | undefined => found?.proposals.find((one) => one.address === address);

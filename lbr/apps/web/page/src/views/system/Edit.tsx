@@ -35,7 +35,7 @@ export function Edit({ of, row, editable, onClose }: { of: Table; row: Row | nul
     const answer = await changeAll([one], true, true);
     if (answer.ok) {
       const called = before ? name : String(next?.[of.key[0] ?? ""] ?? "");
-      noteMade(t(next === null ? "rows.deleted" : "rows.saved", { name: plain(called) }), answer);
+      noteMade(t(next === null ? "rows.deleted" : "rows.saved", { name: plain(called) }), plain(called), answer);
       onClose();
       return;
     }

@@ -1,8 +1,8 @@
 // Of a robot that is being built: what is missing, in which order it is mended. All else can be used.
 import { useEffect, useState } from "preact/hooks";
 import { plain } from "../../format";
+import { ill } from "../../lacking";
 import { status } from "../../live";
-import type { CapabilityStatus } from "../../messages";
 import { Button } from "../../parts";
 import { consoleLine, fetchJson, knows, may } from "../../robot";
 import { learn, t } from "../../words";
@@ -13,7 +13,6 @@ import "./Lacking.css";
 learn(system);
 /** What the robot says is to be mended, in which order. */
 interface Repair { part: string; text: string; do: string; device: boolean; waits: string[] }
-const ill = (part: CapabilityStatus): boolean => part.phase === "failed" || part.phase === "degraded";
 
 export default function Lacking() {
   const names = (status.value?.capabilities ?? []).filter(ill).map((one) => one.name);

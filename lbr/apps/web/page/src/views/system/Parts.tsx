@@ -37,7 +37,7 @@ export function Parts() {
     const one = { table: "capability", before: row, after: { enabled: on } };
     const answer = await changeAll([one], true, true);
     const said = t(on ? "system.enabled" : "system.disabled", { name: plain(name) });
-    if (answer.ok) noteMade(said, answer);
+    if (answer.ok) noteMade(said, plain(name), answer);
     if (answer.ok) notice(said, "good");
     else notice(told_(answer), "warn");
   };

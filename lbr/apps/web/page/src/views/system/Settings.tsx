@@ -1,10 +1,10 @@
 // What the robot is set to: what people ask for first, then every part by itself, and the way back.
 import { useEffect, useState } from "preact/hooks";
 import { told } from "../../access";
-import { percent, plain } from "../../format";
+import { number, percent, plain } from "../../format";
 import { status } from "../../live";
 import { Badge, Button, Card, Icon, Slider, type IconName } from "../../parts";
-import { may } from "../../robot";
+import { may, robot } from "../../robot";
 import { PREFIX } from "../../stream";
 import { maybe, named, t } from "../../words";
 import { basicsOf, groupsOf, isShare, valueAt, withValue, type Basic, type Path, type Settings as Values } from "./basics";
@@ -38,7 +38,7 @@ function Saved() {
     <div class="settings-saved" role="status" data-there={newest !== undefined || undefined}>
       {newest && (
         <>
-          <Icon name="check" /><p>{newest.name}</p>
+          <Icon name="check" /><p>{newest.said}</p>
           <Button kind="quiet" icon="undo" disabled={busy} onClick={() => { wait(true); void undo().finally(() => wait(false)); }}>{t("rows.undo")}</Button>
         </>
       )}
@@ -86,7 +86,8 @@ function Basics() {
     const answer = await changeAll(changes, true, true);
     again(asked + 1);
     if (!answer.ok) { tell({ reply: answer.data, refused: told(answer) }); return; }
-    noteMade(t("rows.saved", { name: [...new Set(all.map(({ basic }) => basic.title))].join(", ") }), answer);
+    const name = [...new Set(all.map(({ basic }) => basic.title))].join(", ");
+    noteMade(t("rows.saved", { name }), name, answer);
     setCapabilities((known) => known && after(known, changes));
     setRobots((known) => known && after(known, changes));
     type({});
@@ -100,7 +101,7 @@ function Basics() {
     const usual = basic.field.fallback;
     return (
       <div key={key} class="settings-share">
-        <Slider label={basic.title} min={basic.field.least ?? 0.05} max={1} step={0.05} value={Number(value)} show={percent} disabled={!editable} onInput={put} />
+        <Slider label={basic.title} min={basic.field.least ?? 0.05} max={1} step={0.05} value={Number(value)} show={(share) => shown(basic, share)} disabled={!editable} onInput={put} />
         <p class="form-help">{[helpOf(basic.field), typeof usual === "number" && usual !== value ? t("form.usual", { value: percent(usual) }) : ""].filter(Boolean).join(" · ")}</p>
       </div>
     );
@@ -134,6 +135,13 @@ function Basics() {
       )}
     </>
   );
+}
+
+/** A share of full power; of a base that knows its own speed the speed, too, as the slider beside the stick shows it. */
+function shown({ part, path }: Basic, share: number): string {
+  const base = robot.value?.base;
+  const most = base && base.capability === part && path.join("/") === "max_power" && base.max_power ? base.max_speed_mps / base.max_power : 0;
+  return [percent(share), most ? `${number(share * most, 2)} m/s` : ""].filter(Boolean).join(" · ");
 }
 
 /** What was typed, as one change for each row: only what was typed is another. */

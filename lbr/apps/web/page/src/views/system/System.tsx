@@ -48,7 +48,7 @@ export default function System() {
       <div class="system-head">
         <h2>{t("view.system")}</h2>
         <Segments<Page>
-          label={t("view.system")} value={now} onChange={(value) => { page.value = value; remember("system", value); }}
+          label={t("view.system")} value={now} onChange={(value) => { page.value = value; remember("system", value); history.replaceState(null, "", `#system/${value}`); }}
           options={there.map((one) => ({ value: one.value, text: t(`system.${one.value}`), icon: one.icon }))}
         />
         <Box />

@@ -5,12 +5,13 @@ import { t } from "../../words";
 import type { Answer } from "../../access";
 import { takeBack, type Reply } from "./manage";
 
-export interface Made { name: string; revision: number }
+/** `said`: that it was made; `name`: what was changed. */
+export interface Made { said: string; name: string; revision: number }
 /** What was saved here since the page was opened, the newest last. */
 export const made = signal<Made[]>([]);
 
-export const noteMade = (name: string, answer: Answer<Reply<null>>): void => {
-  if (answer.data?.revision) made.value = [...made.value, { name, revision: answer.data.revision }];
+export const noteMade = (said: string, name: string, answer: Answer<Reply<null>>): void => {
+  if (answer.data?.revision) made.value = [...made.value, { said, name, revision: answer.data.revision }];
 };
 
 /** Takes the newest change back; whatever another has changed since in these columns keeps it from that. */

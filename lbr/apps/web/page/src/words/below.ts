@@ -1,0 +1,20 @@
+// What is below the stick: songs, and the compass.
+export const below = {
+  "drive.songs": ["Songs", "Lieder"],
+  "drive.songs.none": ["There are no songs.", "Es gibt keine Lieder."],
+  "drive.songs.play": ["Play {song}", "{song} abspielen"],
+  "drive.songs.dance": ["Dance to {song}", "Zu {song} tanzen"],
+  "drive.songs.end": ["End", "Beenden"],
+  "drive.dancing": ["Dances to {song}", "Tanzt zu {song}"],
+  "compass.title": ["Compass", "Kompass"],
+  "compass.good": ["calibrated", "kalibriert"],
+  "compass.raw": ["not calibrated", "nicht kalibriert"],
+  "compass.begin": ["Calibrate", "Kalibrieren"],
+  "compass.ask": ["Calibrate the compass?", "Kompass kalibrieren?"],
+  "compass.text": ["The robot turns on the spot for about half a minute, also when this page is closed. It needs room all around. Stop ends it.", "Der Roboter dreht sich etwa eine halbe Minute auf der Stelle, auch wenn diese Seite geschlossen wird. Er braucht rundum Platz. Stopp beendet es."],
+  "compass.runs": ["Calibration of the compass", "Kalibrierung des Kompasses"],
+  "compass.turns": ["Turning on the spot: {part}", "Dreht sich auf der Stelle: {part}"],
+  "compass.fits": ["Working it out", "Rechnet"],
+  "compass.done": ["The compass is calibrated.", "Der Kompass ist kalibriert."],
+  "compass.failed": ["Not calibrated.", "Nicht kalibriert."],
+} as const;
