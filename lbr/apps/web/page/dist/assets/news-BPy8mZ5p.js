@@ -1,1 +1,0 @@
-import{B as e,I as t}from"./access-DKu_aJt-.js";import{l as n}from"./index-CKUugx9v.js";function r(r){let[i,a]=e(``);return t(()=>{if(a(``),!r)return;let e=setTimeout(()=>a(r),n);return()=>clearTimeout(e)},[r]),r!==``&&i!==r}export{r as t};
