@@ -173,7 +173,7 @@ def test_a_move_below_the_stick_tells_how_it_goes(opened, robot):
     page = opened.page("phone")
     page.get_by_role("button", name="Dock").scroll_into_view_if_needed()
     page.get_by_role("button", name="Turn 90°", exact=True).click()
-    expect(page.locator(".drive-why[data-away]")).to_contain_text("You drive")
+    expect(page.locator(".drive-why[data-away]")).to_contain_text("drive")
     expect(page.locator(".drive-why")).to_be_in_viewport()
     page.get_by_role("application").scroll_into_view_if_needed()
     expect(page.locator(".drive-why[data-away]")).to_have_count(0)

@@ -27,8 +27,10 @@ interface Line { tone: "calm" | "good" | "warn" | "bad"; icon: IconName; head: s
 /** What the base tells of itself, whether its last end is news, what runs it, and whether it is on a charger. */
 interface Told { drive: DriveState | null; fresh: boolean; run: Run | null; failed: boolean; charging: boolean; part: string }
 
-/** A run that somebody ended did not fail. */
-const ENDED_BY_HAND = new Set(["stopped", "cancelled", "estop", "taken_over"]);
+/** One looks at something else while a table runs. */
+const FAILED_MS = 60_000;
+/** A run that somebody ended on a page, or by the emergency stop, did not fail. */
+const failedBy = (run: Run): boolean => run.phase === "ended" && run.good === false && run.code !== "estop" && !/^stopped by web:|page$/.test(run.reason);
 
 export function Why({ from }: { from: string }) {
   void clock.value;
@@ -38,7 +40,7 @@ export function Why({ from }: { from: string }) {
   const charging = useStream<BatteryState>(streamOfType("BatteryState"))?.message.charging ?? false;
   const part = from.split("/")[0]!;
   const fresh = useNews(drive && (drive.moving ? "" : `${drive.code} ${drive.reason}`));
-  const failed = useNews(run && (run.phase === "ended" && run.good === false && !ENDED_BY_HAND.has(run.code) ? `${run.table} ${run.reason}` : ""));
+  const failed = useNews(run && (failedBy(run) ? `${run.table} ${run.reason}` : ""), FAILED_MS);
   const line = said({ drive, fresh, run, failed, charging, part });
   const mine = holding.state.value.moving;
   const [asks, ask] = useState(false);
