@@ -1,1 +1,0 @@
-import{L as e,V as t,z as n}from"./access-BFjq4TgM.js";import{f as r}from"./index-DKCBlRWX.js";function i(i){let[a,o]=t(``),s=n(!1);return e(()=>{if(i===null)return;o(s.current?i:``),s.current=!0;let e=setTimeout(()=>o(``),r);return()=>clearTimeout(e)},[i]),!!i&&a===i}export{i as t};
