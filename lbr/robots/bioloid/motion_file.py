@@ -1,4 +1,4 @@
-"""Between RoboPlus motion files and motions of a robot's joints."""
+"""Conversion between RoboPlus motion files and motions of a robot's joints."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -14,27 +14,28 @@ from lbr.robots.bioloid import mtn
 from lbr.robots.bioloid.mtn import MtnFile, Page, Step
 
 COUNT_RAD, MIDDLE, MOST = radians(300.0 / 1023.0), 512, 1023
-"""Of an AX-12A, which is motor type 0."""
+"""The counts of an AX-12A, which is motor type 0."""
 STEPS_OF_PAGE = 7
-"""The bounds of one page in the maker's controllers."""
+"""The most steps of one page in the maker's controllers."""
 LONGEST_STEP_S, GRAIN_S = 2.04, 0.008
-"""They keep times in units of 8 ms in one byte."""
+"""The longest time and the unit of time: the controllers store times in one byte, in units of 8 ms."""
 TABLE = "page"
 
 
 @dataclass(frozen=True, slots=True)
 class MtnMotions:
-    """The motions of a RoboPlus file: pages that one leads to the other are one motion."""
+    """The motions of a RoboPlus file: pages that follow one another are one motion."""
 
     file: MtnFile
 
     def fits(self, rows: RobotRows) -> bool:
-        """Say whether a robot has a joint for each servo of the file but those of no body; it has no other's counts."""
+        """Return whether a robot's joints match the file's servos: more than half of them, and no counts of another
+        maker."""
         ids = {row.device_id for row in rows.of(Joint)}
         return len(ids & set(self.file.enabled)) * 2 > len(ids) and not rows.of(Motor)
 
     def motions(self, rows: RobotRows) -> tuple[tuple[Motion, ...], list[Note]]:
-        """Return them in the angles of a robot's joints, and what has no place."""
+        """Return the motions in the angles of a robot's joints, with notes on the parts that have no place."""
         joints = {row.device_id: row for row in rows.of(Joint)}
         notes = [*_of_checksum(self.file), *_without_joint(self.file, joints)]
         usable = {
@@ -64,12 +65,13 @@ class MtnMotions:
 
 
 def read(content: bytes) -> MtnMotions:
-    """Return the motions in a file; InputError names the line that cannot be."""
+    """Return the motions in a file; raise InputError naming an invalid line."""
     return MtnMotions(mtn.parse(content))
 
 
 def write(motion: Motion, rows: RobotRows) -> tuple[bytes, list[Note]]:
-    """Return a motion as a RoboPlus file, and what it cannot say; InputError if a servo cannot be there."""
+    """Return a motion as a RoboPlus file, with notes on its losses; raise InputError for a servo that the file cannot
+    have."""
     joints = {row.name: row for row in rows.of(Joint)}
     used = {name for frame in motion.frames for name in frame.positions}
     for name in sorted(used):
@@ -139,7 +141,7 @@ def _without_joint(file: MtnFile, joints: dict[int, Joint]) -> Iterator[Note]:
 
 
 def _chains(pages: tuple[Page, ...]) -> list[list[int]]:
-    """Return the numbers of the pages that are played one after the other, for each motion."""
+    """Return for each motion the numbers of its pages, in the order of play."""
     with_steps = [number for number, page in enumerate(pages, 1) if page.steps]
     led_to = {page.next for number, page in enumerate(pages, 1) if page.next != number}
     chains: list[list[int]] = []
@@ -154,8 +156,7 @@ def _chains(pages: tuple[Page, ...]) -> list[list[int]]:
 
 
 def _names(pages: tuple[Page, ...], chains: list[list[int]]) -> dict[str, list[int]]:
-    """Return the chains by the names of their motions: each as its first page says, with a number where that is
-    taken."""
+    """Return the chains by the names of their motions: the name of the first page, with a number if it is taken."""
     plain = {chain[0]: name_from(pages[chain[0] - 1].name, "motion") for chain in chains}
     all_names = set(plain.values())
     by_name: dict[str, list[int]] = {}
@@ -205,7 +206,7 @@ def _frames(page: Page, joints: dict[int, Joint], beyond: list[int]) -> Iterable
 
 
 def _unplayed(row: str, page: Page, chain: list[int], follows: int) -> Iterator[Note]:
-    """Yield what a page says that a motion here does not have."""
+    """Yield a note for each feature of a page that a motion here lacks."""
     if page.speed != 1.0:
         text = f"times are divided by the page's speed, {page.speed:g}"
         yield Note("changed", TABLE, row, "play_param.speed", text)

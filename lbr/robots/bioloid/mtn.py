@@ -2,18 +2,18 @@
 
     type=motion                          one line for each, in any order
     version=1.01
-    enable=0 1 1 …                       which of the servos 0 to 25 are there
+    enable=0 1 1 …                       which of the servos 0 to 25 are present
     motor_type=0 0 0 …                   0: 1024 counts over 300 degrees; others are finer
     page_begin
     name=Bow
-    compliance=5 5 5 …                   how soft each servo is
+    compliance=5 5 5 …                   the softness of each servo
     play_param=0 0 1 1.0 32              next page, page after a stop, times, speed, inertial force
     step=512 235 788 … 0.000 1.000       a position of each servo, the pause afterwards, the time to get there
     page_end
     (two bytes: a checksum)
 
-Worked out from descriptions and from programs that read such files. Lines end by LF. The checksum is the ones'
-complement of the 16-bit sum of all bytes up to it, the mark of UTF-8 among them, the high byte first.
+Derived from descriptions and from programs that read such files. Lines end with LF. The checksum is the ones'
+complement of the 16-bit sum of all bytes before it, the mark of UTF-8 included. Its high byte comes first.
 """
 
 import math
@@ -38,7 +38,7 @@ _PAGE_END = re.compile(rb"(?:^|[\r\n])[\0\t ]*page_end[\0\t ]*(?:\r\n|\r|\n|\Z)"
 _LINE_END = re.compile(rb"\r\n|\r")
 _HEX = re.compile(rb"[0-9A-Fa-f]{2}")
 _LONGEST_CHECKSUM = 12
-"""Two bytes, or what an editor wrote in their place: `\\82\\09`, `\\u0082\\u0009`."""
+"""Two bytes, or an editor's text in their place: `\\82\\09`, `\\u0082\\u0009`."""
 Checksum = Literal["right", "stale", "missing"]
 
 
@@ -65,7 +65,7 @@ class Page(NamedTuple):
 
 
 class MtnFile(NamedTuple):
-    """A whole file; of servos that are not `enabled` the positions say nothing."""
+    """A whole file; the positions of servos that are not `enabled` have no meaning."""
 
     pages: tuple[Page, ...]
     enabled: tuple[int, ...]
@@ -80,15 +80,15 @@ def checksum(body: bytes) -> bytes:
 
 
 def parse(content: bytes) -> MtnFile:
-    """Return what a file says; InputError names the line that cannot be."""
+    """Return the content of a file; raise InputError naming an invalid line."""
     body, end = _parted(content)
     lines = _Lines(body)
     head: dict[str, str] = {}
     at: dict[str, int] = {}
     pages: list[Page] = []
     width = SERVOS
-    while (found := lines.next()) is not None:
-        key, value = found
+    while (entry := lines.next()) is not None:
+        key, value = entry
         if key == "page_begin":
             if len(pages) == MOST_PAGES:
                 raise lines.wrong(f"it has more than {MOST_PAGES} pages")
@@ -133,18 +133,17 @@ def write(file: MtnFile) -> bytes:
 
 
 def _parted(content: bytes) -> tuple[bytes, bytes]:
-    """Return the lines of a file, ended by LF, and what is in the place of its checksum."""
+    """Return the lines of a file, ended by LF, and the bytes in the place of its checksum."""
     content = _utf8(content)
-    found = list(_PAGE_END.finditer(content))
-    at = found[-1].end() if found else len(content)
+    ends = list(_PAGE_END.finditer(content))
+    at = ends[-1].end() if ends else len(content)
     if len(content) - at > _LONGEST_CHECKSUM or content[at:].startswith(b"page_begin"):
-        at = len(content)  # more follows than a checksum: its line is read, and named
+        at = len(content)  # more than a checksum follows: its line is read, and named in an error
     return _LINE_END.sub(b"\n", content[:at]), content[at:]
 
 
 def _judged(body: bytes, end: bytes) -> Checksum:
-    """Return what the end of a file says of its lines; an editor may have written the bytes as text, or put more behind
-    them."""
+    """Judge the checksum; an editor may have written its bytes as text, or added more after them."""
     right = checksum(BOM + body if body.endswith(b"\n") else BOM + body + b"\n")
     if not end.strip(b"\0\r\n\t "):
         return "right" if end.startswith(right) else "missing"
@@ -225,14 +224,14 @@ def _listed(numbers: object) -> str:
 
 
 class _Lines:
-    """Gives one line after the other, and knows its number for an error."""
+    """Yields one line after the other, and knows its number for an error."""
 
     def __init__(self, content: bytes) -> None:
         self._lines = content.split(b"\n")
         self.number = 0
 
     def next(self) -> tuple[str, str] | None:
-        """Return the key of the next line that is not empty, and what follows its `=`."""
+        """Return the key of the next line that is not empty, and the text after its `=`."""
         while self.number < len(self._lines):
             line = self._lines[self.number].strip(b"\0\t ")
             self.number += 1
@@ -247,7 +246,7 @@ class _Lines:
 
 
 def _utf8(content: bytes) -> bytes:
-    """Return lines of a file by their bytes: only names can be other than ASCII, and each line may be so by itself."""
+    """Return the lines of a file as bytes: only names can be other than ASCII, and each may have its own encoding."""
     if content[:2] in {b"\xff\xfe", b"\xfe\xff"}:
         try:
             return content.decode("utf-16").encode()

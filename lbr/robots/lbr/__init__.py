@@ -1,4 +1,4 @@
-"""The robot lbr, telepresence on two driven wheels: its rows stand with the schema in robot.db.sql."""
+"""The robot lbr, telepresence on two driven wheels: robot.db.sql has its rows, with the schema."""
 
 from lbr.component import Component
 

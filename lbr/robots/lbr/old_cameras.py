@@ -1,4 +1,4 @@
-"""The table of cameras of this robot's first program, as its API tells it."""
+"""The table of cameras of this robot's first program, as in its API."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -25,7 +25,7 @@ class OldCameras(NamedTuple):
     cameras: Mapping[str, Mapping[str, Any]]
 
     def fits(self, target: Here) -> bool:
-        """Return whether a robot has a camera that is mounted where one of these was."""
+        """Return whether a robot has a camera mounted at the place of one of these."""
         return any(_mounted(target, name) for name in self.cameras)
 
     def wants(self, target: Here, choice: Choice) -> Iterator[Want | Note]:  # noqa: ARG002
@@ -35,7 +35,7 @@ class OldCameras(NamedTuple):
 
 
 def read(source: Source) -> OldData | None:
-    """Return the cameras of `GET /cameras`, or of a telemetry package; None if it is something else."""
+    """Return the cameras of `GET /cameras`, or of a telemetry package; None for other content."""
     content = source.json
     content = content.get("cameras", content) if isinstance(content, dict) else None
     if not isinstance(content, dict) or not content:
@@ -48,7 +48,7 @@ def read(source: Source) -> OldData | None:
 
 
 def _mounted(target: Here, mount: str) -> tuple[str, str] | None:
-    """Return the device and the capability of the camera that looks there."""
+    """Return the device and the capability of the camera with that mount."""
     for device in target.rows("device"):
         if device["type"] == "camera" and loads(device["settings"]).get("mount") == mount:
             for row in target.rows("capability"):
@@ -89,7 +89,7 @@ def _camera(name: str, camera: Mapping[str, Any], target: Here) -> Iterator[Want
 
 
 def _controls(controls: Mapping[str, Any]) -> Iterator[tuple[str, str, Any]]:
-    """Yield each control: its name, where it stands, and its value; the original keeps them in groups."""
+    """Yield each control: its name, its place, and its value; the original puts some in groups."""
     for name, value in controls.items():
         if name in _GROUPS and isinstance(value, dict):
             yield from ((inner, f"{name}.{short(inner)}", one) for inner, one in value.items())

@@ -1,4 +1,4 @@
-"""The database of this robot's first program: which of its rows have a place here."""
+"""The database of this robot's first program, and the place of its rows here."""
 
 import math
 import os
@@ -13,7 +13,7 @@ from lbr.names import name_from
 from lbr.robot.old_data import Choice, ForeignTables, Here, Note, OldData, Source, Want, no_place
 
 _SAME = {"robot_process", "channel", "extcmd", "calibration", "move_config"}
-"""Of these tables it has most; other programs have tables `robot`, too."""
+"""Most of these tables are present; other programs have tables `robot`, too."""
 _WITHOUT = {
     "robot_process": "which processes run is said by the rows of capability",
     "channel": "what feeds what is said by the rows of channel, which name capabilities and ports",
@@ -30,7 +30,7 @@ _NAMES = dict(
 )
 _UNKNOWN_TIME = "1970-01-01T00:00:00.000Z"
 _KNOWN = {"navcam": "navcam", "docksignal": "docksignal", "autodock": "autodock"}
-"""Programs of the original that are here under these words."""
+"""Programs of the original that exist here under these words."""
 _WIDEST_CM, _MOST_COUNTS = 200.0, 1_000_000
 
 
@@ -45,7 +45,7 @@ class OldDatabase(NamedTuple):
         return any(row["kind"] == "odometry" for row in target.rows("capability"))
 
     def wants(self, target: Here, choice: Choice) -> Iterator[Want | Note]:
-        """Yield what the rows of one of its robots become."""
+        """Yield the changes by the rows of one of its robots."""
         robot = _chosen(self.tables, target, choice)
         yield from _robot(robot, target)
         yield from _calibration(self._of(robot, "calibration"), target)
@@ -76,7 +76,7 @@ class OldDatabase(NamedTuple):
 
 
 def read(source: Source) -> OldData | None:
-    """Return the original's database, as a file or as SQL; None if it is another's."""
+    """Return the original's database, as a file or as SQL; None for another database."""
     tables = source.tables()
     if tables is None or len(_SAME & set(tables)) < len(_SAME) - 2:
         return None
@@ -195,7 +195,7 @@ def _wheels(row: Mapping[str, Any], target: Here) -> Iterator[Want | Note]:
 
 
 def _wheel(target: Here, channel: int) -> tuple[str, str] | None:
-    """Return the capability of the motor controller, and which side is on one of its channels."""
+    """Return the capability of the motor controller, and the side of one of its channels."""
     for row in target.rows("capability"):
         if row["kind"] == "roboteq":
             settings = loads(row["settings"])

@@ -1,8 +1,7 @@
 """`beacon`: finds the charging dock by its infrared beams and backs onto its contacts, a manoeuvre at a time.
 
-`manoeuvres` decides, and knows neither bus nor clock; `kernel` lends them by leases; `pilot` moves the robot as they
-say, by a lease of the drive like anyone. The strategy, what follows which manoeuvre and how often it is tried, is a
-table's.
+`manoeuvres` decides, without bus or clock; `kernel` grants leases; `pilot` moves the robot, by a lease of the drive
+like any sender. The strategy is a table of the behaviours: the order of manoeuvres, and the number of tries.
 """
 
 from typing import Annotated, Literal
@@ -22,9 +21,9 @@ from lbr.messages.units import TtlS
 
 
 class BeaconSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Settings of a row of kind `beacon`: how the robot lies and measures when it is docked.
+    """Settings of a row of kind `beacon`: the docked robot's heading and distances.
 
-    `side` is where it looks first for the dock, as the docked robot looks.
+    `side` is the side of the first search for the dock, as the docked robot looks.
     """
 
     heading_deg: Annotated[

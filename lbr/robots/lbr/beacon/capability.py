@@ -1,5 +1,4 @@
-"""The beacon as a capability: who may move is the kernel's decision, how is a manoeuvre's, every message passes
-here."""
+"""The beacon as a capability: the kernel decides about leases, a manoeuvre about motion, every message passes here."""
 
 from math import inf
 from typing import Any
@@ -20,8 +19,8 @@ from lbr.robots.lbr.beacon.view import Ending, Script
 LOOKS_HZ = 10.0
 SEEKING_HZ, IDLE_HZ = 20.0, 5.0
 PATIENCE_S = 5.0
-"""A robot that does not know how it lies, or what is in its way, stands so long before it gives up: a device that is
-plugged in again, or a process that starts over, is back by then."""
+"""The pause of a robot without attitude or ranges before it gives up: a replugged device, or a restarted process, is
+back by then."""
 STATE_EVERY_S = 0.5
 
 
@@ -42,20 +41,20 @@ class Beacon(LeasingCapability[BeaconSettings, State]):
         self._looks = Beat(LOOKS_HZ)
         self._seen_s = -inf
         self._before_v: float | None = None
-        self._told: BeaconState | None = None
-        self._told_at = -inf
+        self._reported: BeaconState | None = None
+        self._reported_at = -inf
         self.begin()
 
     def first(self) -> State:
-        """Return that nothing was asked for."""
+        """Return the state before any manoeuvre."""
         return first_state(self.ctx.settings.ttl_s, self.ctx.clock())
 
     def decide(self, event: Event, now: float) -> tuple[State, Outputs]:
-        """Return what the kernel makes of an event."""
+        """Return the kernel's decision on an event."""
         return decide(self._state, event, now)
 
     def step(self) -> None:
-        """Take in what arrived, and go on with the manoeuvre."""
+        """Process arrived messages, and continue the manoeuvre."""
         self.listen()
         self.happen(Tick())
         self._go_on()
@@ -63,7 +62,7 @@ class Beacon(LeasingCapability[BeaconSettings, State]):
         self.report()
 
     def lend(self, call: Call) -> None:
-        """Answer `seek`."""
+        """Handle `seek`."""
         command = call.message
         if not isinstance(command, SeekCommand):
             super().lend(call)
@@ -79,25 +78,25 @@ class Beacon(LeasingCapability[BeaconSettings, State]):
         self.happen(Seek(ask=ask, manoeuvre=command.manoeuvre, new_goal=new_goal(), trouble=self.trouble()), call)
 
     def hear(self) -> None:
-        """Take in what the robot says of itself; a stop of others ends what goes on."""
+        """Process the robot's messages; a stop by another sender ends the manoeuvre."""
         self._pilot.listen()
         lease, stopped = self._state.lease, self._pilot.stopped
         if lease is not None and stopped is not None:
             self.happen(Over(goal=lease.motion.goal, how="stopped", why=stopped))
 
     def not_at_rest(self) -> str:
-        """Return nothing: what moves is the drive, and it acknowledges for itself."""
+        """Return an empty string: the drive moves, and acknowledges the stop itself."""
         return ""
 
     def trouble(self) -> Reason | None:
-        """Return why the drive would not follow, or nothing."""
+        """Return why the drive would not follow, or None."""
         names = self.ctx.targets("move")
         if names and any(self.ctx.alive(name) for name in names):
             return None
         return Reason("unreachable", f"the drive ({', '.join(names) or 'none is wired'}) is not running")
 
     def pass_on(self, output: Any, call: Call | None) -> None:
-        """Publish, tell, answer, or have the robot stand or move."""
+        """Publish an output, reply, or stop or move the robot."""
         match output:
             case Begin(seeking=seeking):
                 lease = self._state.lease
@@ -115,10 +114,10 @@ class Beacon(LeasingCapability[BeaconSettings, State]):
                 super().pass_on(output, call)
 
     def report(self) -> None:
-        """Tell what is done twice a second, and at once when it changed."""
+        """Publish the state twice a second, and at once when it changed."""
         state, now = self._described(), self.ctx.clock()
-        if state != self._told or not now - self._told_at < STATE_EVERY_S:
-            self._told, self._told_at = state, now
+        if state != self._reported or not now - self._reported_at < STATE_EVERY_S:
+            self._reported, self._reported_at = state, now
             self.ctx.publish("state", state)
 
     def _go_on(self) -> None:

@@ -1,8 +1,8 @@
 """Backing up to the dock between its two beams. Pure.
 
-Only the left beam: the robot is on the dock's left, so its back swings to its right, and more so the longer that lasts.
-Both beams: straight back. A compass is wrong by some degrees, more so near a charger: whatever keeps the robot aside is
-learnt as the direction's error.
+With only the left beam in sight the robot is on the dock's left: its back swings to its right, more the longer that
+lasts. With both beams it goes straight back. A compass is wrong by some degrees, more near a charger: the deviation
+from both beams is learnt as its error.
 """
 
 from collections import deque
@@ -26,7 +26,7 @@ LONGEST_S = 40.0
 
 @dataclass(frozen=True, slots=True)
 class Followed:
-    """The end of it. `aside` is the side of the dock's middle line, as the robot looks: 1 right, -1 left."""
+    """The end of following. `aside` is the side of the dock's middle line, as the robot looks: 1 right, -1 left."""
 
     touched: bool
     why: str
@@ -35,8 +35,7 @@ class Followed:
 
 
 def follow(docked_back_m: float) -> Script[Followed]:
-    """Drive back between the beams until something stops it; `docked_back_m` is what the rear sensor reads on the
-    dock."""
+    """Drive back between the beams until something stops it; `docked_back_m` is the rear sensor's reading on the dock."""
     view = yield STAND
     course, began = _Course(view, docked_back_m), view.time_s
     while (end := course.see(view)) is None and view.time_s - began < LONGEST_S:
@@ -46,7 +45,7 @@ def follow(docked_back_m: float) -> Script[Followed]:
 
 
 class _Course:
-    """The sightings on the way."""
+    """The course by the sightings on the way."""
 
     def __init__(self, view: View, docked_back_m: float) -> None:
         self.aside = 0.0
@@ -59,7 +58,7 @@ class _Course:
         self._way: deque[tuple[float, float]] = deque()
 
     def see(self, view: View) -> Followed | None:
-        """Take in what is seen, and say how it ended if it did."""
+        """Add a view; return the end, if it is reached."""
         if self._was_between:
             learnt_deg = self._error_deg - self.aside * LEARN_DPS * (view.time_s - self._view.time_s)
             self._error_deg = max(-MOST_LEARNT_DEG, min(MOST_LEARNT_DEG, learnt_deg))
@@ -79,7 +78,7 @@ class _Course:
         return None
 
     def back(self) -> Back:
-        """Return how to go on."""
+        """Return the next action."""
         view, left_m = self._view, self._left_m(self._view)
         near = left_m < NEAR_M
         most_deg = LAST_DEG if left_m < LAST_M else NEAR_DEG if near else MOST_DEG

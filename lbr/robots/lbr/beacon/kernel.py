@@ -1,4 +1,4 @@
-"""The manoeuvres, their holders and their ends, as a pure function of knowledge, event and time."""
+"""The manoeuvres, their holders and their ends, as a pure function of state, event and time."""
 
 from math import inf
 
@@ -31,7 +31,7 @@ PHRASING = Phrasing(
 
 
 class Seeking(Struct, frozen=True, kw_only=True):
-    """A manoeuvre under way."""
+    """A manoeuvre in progress."""
 
     goal: str
     manoeuvre: Manoeuvre
@@ -39,7 +39,8 @@ class Seeking(Struct, frozen=True, kw_only=True):
 
 
 class Seek(Struct, frozen=True, kw_only=True):
-    """A sender wants a manoeuvre, or renews that. `trouble` is why the drive would not follow, or nothing."""
+    """A sender's request for a manoeuvre, or its renewal. `trouble` is the reason why the drive would not follow, or
+    None."""
 
     ask: LeaseRequest
     manoeuvre: Manoeuvre
@@ -48,7 +49,7 @@ class Seek(Struct, frozen=True, kw_only=True):
 
 
 class Over(Struct, frozen=True, kw_only=True):
-    """A manoeuvre is over by itself, or cannot go on."""
+    """A manoeuvre is over by itself, or cannot continue."""
 
     goal: str
     how: Ending
@@ -56,17 +57,17 @@ class Over(Struct, frozen=True, kw_only=True):
 
 
 class Tick(Struct, frozen=True, kw_only=True):
-    """Time goes by."""
+    """The time of a round."""
 
 
 class Begin(Struct, frozen=True, kw_only=True):
-    """This manoeuvre is to be done from now on."""
+    """The start of a manoeuvre."""
 
     seeking: Seeking
 
 
 class Halt(Struct, frozen=True, kw_only=True):
-    """The robot is to stand still; `lost`: who wanted the manoeuvre is gone; `by`: who said so."""
+    """A stop of the robot; `lost`: the manoeuvre's sender is gone; `by`: the sender of the stop."""
 
     why: str
     lost: bool = False
@@ -79,7 +80,7 @@ Outputs = tuple[Output, ...]
 
 
 class State(Struct, frozen=True, kw_only=True):
-    """Everything the kernel remembers; `clock` is the time of the last event, `why` how the last manoeuvre ended."""
+    """The whole state of the kernel; `clock` is the time of the last event, `why` the end of the last manoeuvre."""
 
     leases: LeaseTable[Seeking]
     clock: float = -inf
@@ -92,13 +93,12 @@ class State(Struct, frozen=True, kw_only=True):
 
 
 def first_state(ttl_s: float, began: float = -inf) -> State:
-    """Return that nothing was asked for since it `began`."""
+    """Return the state with nothing requested since it `began`."""
     return State(leases=first(PHRASING, ttl_s, began=began))
 
 
 def decide(state: State, event: Event, now: float) -> tuple[State, Outputs]:
-    """Return the state after an event and what is to be done; whatever is over by `now` ends before the event
-    counts."""
+    """Return the state after an event, and the outputs; what is over by `now` ends before the event counts."""
     if now >= state.clock:
         held, ends = ending.lapse(state.leases, now)
     else:
@@ -145,7 +145,7 @@ def _seek(state: State, event: Seek, now: float) -> tuple[State, Outputs]:
 
 
 def _ended(state: State, ends: ending.Said[Seeking], now: float, *, by: str = "") -> tuple[State, Outputs]:
-    """Return what follows from the end of leases."""
+    """Return the state and outputs after the end of leases."""
     outputs: Outputs = ()
     for ended in ends:
         if isinstance(ended, Happened):

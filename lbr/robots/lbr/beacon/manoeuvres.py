@@ -1,12 +1,12 @@
-"""The manoeuvres, step by step. Pure.
+"""The manoeuvres, step by step, each with its endings. Pure.
 
-| manoeuvre | does | ends with | |---|---|---| | align | turns its back to the wall where the dock stands, at a distance
-at which the beams are wide | done | | search | looks for a beam; sees none: goes aside by a step and looks again; to
-one side, then to the other | done, not_found | | follow | backs up between the beams | done: something is touched;
-lost, timeout | | withdraw | leaves a dock that is near, towards the middle of its beams | done | | roam | looks all
-around, and goes where there is most room: out of a corner, or elsewhere to search | done |
+    `align`: turns its back to the wall of the dock, at a distance at which the beams are wide. Ends: done.
+    `search`: looks for a beam, goes aside by a step and looks again, to one side, then the other. Ends: done, not_found.
+    `follow`: backs up between the beams. Ends: done (something is touched), lost, timeout.
+    `withdraw`: leaves a near dock, towards the middle of its beams. Ends: done.
+    `roam`: looks all around, and goes where there is most room, out of a corner or to search elsewhere. Ends: done.
 
-Each may also end with what ended its last motion, such as `obstacle`.
+Each may also end with the code of its last motion, such as `obstacle`.
 """
 
 from dataclasses import dataclass
@@ -23,19 +23,19 @@ Side = Literal["left", "right"]
 FREE_M = 0.6
 SPARE_M = 0.35
 WAYS_BLOCKED = frozenset({"obstacle", "stuck", "failed", "timeout"})
-"""Why a turn ends that something is in the way of."""
+"""The codes of a turn that was stopped by something in the way."""
 SIDES: dict[Side, float] = {"left": -90.0, "right": 90.0}
 POWER = 0.25
 STEP_M, STEPS = 0.5, 8
 PAST_M = 0.7
 WITHDRAW_M, WITHDRAW_DEG = 1.0, 5.0
 ROAM_M, ROAM_DEG, ROAM_LOOK_S = 1.5, 45.0, 0.4
-"""A whole turn is eight looks; a sensor that measures ten times a second has missed nothing in each."""
+"""A whole turn is eight looks; a sensor with ten readings a second misses nothing in each."""
 
 
 @dataclass(slots=True)
 class Memory:
-    """The memory of one manoeuvre for the next: where to look first, and where the middle of the beams was.
+    """The memory of one manoeuvre for the next: the side of the first look, and the middle of the beams.
 
     `aside` is that from the robot, as it looks: 1 right, -1 left, 0 straight back. Both sides are as the docked robot
     looks, which is the same once it is aligned.
@@ -46,7 +46,7 @@ class Memory:
 
 
 def script(manoeuvre: Manoeuvre, settings: BeaconSettings, memory: Memory) -> Script[Ending]:
-    """Return how a manoeuvre ended; nothing raises."""
+    """Return the end of a manoeuvre; nothing raises."""
     try:
         match manoeuvre:
             case "align":
@@ -74,7 +74,7 @@ _DONE: dict[Manoeuvre, str] = {
 
 
 def _follow(settings: BeaconSettings, memory: Memory) -> Script[Ending]:
-    """Come to stand at the contacts, and note where the beams were."""
+    """Come to rest at the contacts, and store the side of the beams."""
     followed = yield from follow(settings.docked_back_cm / 100)
     memory.aside = followed.aside
     if followed.aside:
@@ -90,7 +90,7 @@ def _withdraw(settings: BeaconSettings, aside: float) -> Script[None]:
 
 
 def _roam() -> Script[None]:
-    """Turn once around, then go towards the most room; where the body cannot turn to is left out."""
+    """Turn once around, then go towards the most room; directions in which the body cannot turn are left out."""
     ways: list[tuple[float, float]] = []
     began_deg = (yield STAND).direction_deg
     for number in range(round(360.0 / ROAM_DEG)):
@@ -126,7 +126,7 @@ def _align(settings: BeaconSettings) -> Script[None]:
 
 
 def _search(settings: BeaconSettings, side: Side) -> Script[None]:
-    """Go along the dock's wall until a beam is seen: to one side, then to the other, past what stands in the way."""
+    """Go along the dock's wall until a beam is seen: to one side, then to the other, past obstacles."""
     other: Side = "right" if side == "left" else "left"
     for towards, steps in ((side, STEPS), (other, 2 * STEPS)):
         for _ in range(steps):
@@ -141,7 +141,7 @@ def _search(settings: BeaconSettings, side: Side) -> Script[None]:
 
 
 def _past(side: Side) -> Script[bool]:
-    """Try to go aside farther from the wall, then nearer to it; say whether a way was free."""
+    """Try to go aside farther from the wall, then nearer to it; return whether a way was free."""
     for way_m in (PAST_M, -2 * PAST_M):
         yield from bounded(Go(POWER, way_m))
         if (yield from _aside(side, STEP_M)):
@@ -150,7 +150,7 @@ def _past(side: Side) -> Script[bool]:
 
 
 def _aside(side: Side, distance_m: float) -> Script[bool]:
-    """Go to one side and turn the back to the dock again; say whether the way was free."""
+    """Go to one side and turn the back to the dock again; return whether the way was free."""
     yield from face(SIDES[side])
     ending = yield from bounded(Go(POWER, distance_m))
     view = yield STAND

@@ -9,8 +9,8 @@ ELSEWHERE_M, ELSEWHERE_POWER = 0.25, 0.15
 LOOK_S = 0.7
 AGAIN_S = 1.0
 START_S, SLOWEST_DPS, SLOWEST_MPS = 4.0, 12.0, 0.3
-"""A longer move pushes against something: at full power a base does 0.5 m/s or more, and turns by 40 degrees a second.
-"""
+"""The start and the slowest rates of a move; a slower one pushes against something. At full power a base does 0.5 m/s
+or more, and turns by 40 degrees a second."""
 
 
 def wait(seconds: float) -> Script[View]:
@@ -32,7 +32,7 @@ def sees() -> Script[bool]:
 
 
 def bounded(action: Turn | Go) -> Script[Ending]:
-    """Turn or drive to the end, in at most the time that it may take; what another sender ended is not begun again."""
+    """Turn or drive to the end, within its time limit; a move ended by another sender is not repeated."""
     view = yield action
     until = view.time_s + _longest_s(action)
     while view.ending is None and view.time_s < until:
@@ -70,5 +70,5 @@ def face(direction_deg: float) -> Script[None]:
 
 
 def shortest(angle_deg: float) -> float:
-    """Return the same turn by the shorter way."""
+    """Return the equal turn by the shorter way."""
     return (angle_deg + 180.0) % 360.0 - 180.0

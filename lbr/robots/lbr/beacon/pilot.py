@@ -1,4 +1,4 @@
-"""The robot as a manoeuvre sees and moves it: by a lease of the drive, for as long as the manoeuvre lasts."""
+"""The manoeuvre's view and control of the robot, by a lease of the drive for its duration."""
 
 from collections.abc import Collection
 from math import inf
@@ -15,11 +15,12 @@ from lbr.robots.lbr.beacon.view import Action, Back, Ending, Go, Turn, View
 
 BACK_DEG = 180.0
 DRIVE_S = 1.0
-"""The drive tells of itself ten times a second."""
+"""The age limit of the drive's state, which comes ten times a second."""
 
 
 class Pilot:
-    """Told by `begin` of each manoeuvre; `stopped` says who stopped the robot since, also while it stood."""
+    """Moves the robot for a manoeuvre, from `begin` on; `stopped` has the sender of a later stop, even of a standing
+    robot."""
 
     def __init__(self, ctx: Context[BeaconSettings]) -> None:
         self.stopped: Reason | None = None
@@ -34,17 +35,17 @@ class Pilot:
 
     @property
     def rest_voltage_v(self) -> float | None:
-        """Return the battery's voltage without load, null if it is not known."""
+        """Return the battery's voltage without load, None if it is unknown."""
         battery = self._senses.battery()
         return battery.rest_voltage_v if battery is not None else None
 
     def begin(self, holder: str) -> None:
-        """Begin a manoeuvre for a holder, whose own stops are not those of others."""
+        """Begin a manoeuvre for a holder, whose own stops do not end it."""
         self.stopped, self._action, self._broken = None, None, None
         self._began_s, self._own = self._ctx.clock(), {"", self._ctx.name, holder}
 
     def listen(self) -> None:
-        """Take in what came, and keep the motion up."""
+        """Process arrived messages, and renew the motion."""
         self._senses.listen()
         self._holder.step([received.message for received in self._ctx.take("results")])
         for received in self._ctx.take("drive"):
@@ -55,7 +56,7 @@ class Pilot:
                     self.stopped = Reason("stopped", state.reason if named else f"stopped by {who}")
 
     def look(self) -> View:
-        """Return what is seen now; raise BlindError if something is not known."""
+        """Return the view now; raise BlindError if a part of it is unknown."""
         drive, now = self._ctx.latest("drive"), self._ctx.clock()
         if drive is None or not drive.age_s(now) <= DRIVE_S:
             raise BlindError("the drive does not say whether the robot was stopped: it is silent")
@@ -71,7 +72,7 @@ class Pilot:
         )
 
     def do(self, action: Action) -> None:
-        """Begin an action, or go on with it; to be called ten times a second."""
+        """Begin an action, or continue it; to be called ten times a second."""
         goes_on = action is self._action
         self._action = action
         if goes_on:
@@ -84,13 +85,13 @@ class Pilot:
             self.halt("it stands")
 
     def break_off(self, why: str) -> None:
-        """Stand still; the manoeuvre is told why once it goes on."""
+        """Stop; the manoeuvre gets the reason when it continues."""
         if self._holder.lease is not None:
             self._broken = Ending(good=False, text=why, code="stale_sensor")
             self.halt(why)
 
     def halt(self, why: str) -> None:
-        """Stand still."""
+        """Stop."""
         self._holder.release(why)
 
     def _ending(self) -> Ending | None:

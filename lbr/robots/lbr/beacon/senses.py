@@ -1,4 +1,4 @@
-"""A manoeuvre's knowledge of the robot: the newest of its streams, each for as long as it can be believed."""
+"""A manoeuvre's knowledge of the robot: the newest message of each stream, while it is fresh enough."""
 
 from math import inf
 from typing import Any
@@ -14,12 +14,12 @@ from lbr.robots.lbr.beacon.view import Beam
 
 ATTITUDE_S, RANGES_S, SIGNAL_S, BATTERY_S = 0.7, 0.7, 1.5, 3.0
 SEEN_S = 0.45
-"""A beam comes nine times a second."""
+"""The age limit of a beam, which comes nine times a second."""
 BEAMS: tuple[Beam, ...] = ("left", "right", "power")
 
 
 class BlindError(Exception):
-    """The robot does not know what a manoeuvre has to know; the text says what."""
+    """The robot lacks knowledge that a manoeuvre needs; the text names it."""
 
 
 class Senses:
@@ -32,8 +32,7 @@ class Senses:
         self._measured: dict[str, tuple[float | None, float]] = {}
 
     def direction_deg(self) -> float:
-        """Return where the robot looks, clockwise from how it looks when docked; raise BlindError if that is not
-        known."""
+        """Return the robot's direction, clockwise from the docked one; raise BlindError if it is unknown."""
         attitude: AttitudeState | None = self._newest("attitude", RESTS_S)
         if attitude is None or (self._newest("attitude", ATTITUDE_S) is None and not attitude.rests):
             raise BlindError("the robot does not say how it lies: the capability 'attitude' is silent")
@@ -49,7 +48,7 @@ class Senses:
         return shortest(turned_deg - self._zero[1])
 
     def listen(self) -> None:
-        """Take in what the sensors measured."""
+        """Process the sensors' messages."""
         for received in self._ctx.take("ranges"):
             message: Ranges = received.message
             for sensor in ("forward", "back"):
@@ -57,20 +56,19 @@ class Senses:
                     self._measured[sensor] = (message.metres(sensor), received.arrived)
 
     def metres(self, sensor: str) -> float | None:
-        """Return the distance that a sensor measures, null if nothing is within its reach; raise BlindError if it does
-        not."""
+        """Return a sensor's distance, None if nothing is within its reach; raise BlindError without a fresh reading."""
         metres, at = self._measured.get(sensor, (None, -inf))
         if not self._ctx.clock() - at <= RANGES_S:
             raise BlindError(f"the sensor '{sensor}' measures nothing: what stands in the way is not known")
         return metres
 
     def battery(self) -> BatteryState | None:
-        """Return how the battery is, null if that is not known."""
-        found: BatteryState | None = self._newest("battery", BATTERY_S)
-        return found if found is not None and found.valid else None
+        """Return the state of the battery, None if it is unknown."""
+        battery: BatteryState | None = self._newest("battery", BATTERY_S)
+        return battery if battery is not None and battery.valid else None
 
     def beams(self) -> frozenset[Beam]:
-        """Return the dock's beams that are seen in this moment."""
+        """Return the dock's beams in sight now."""
         received, now = self._ctx.latest("dock"), self._ctx.clock()
         if received is None or not received.age_s(now) <= SIGNAL_S:
             return frozenset()

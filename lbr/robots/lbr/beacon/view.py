@@ -12,7 +12,7 @@ Beam = Literal["left", "right", "power"]
 
 @dataclass(frozen=True, slots=True)
 class Ending:
-    """The end of a motion or a manoeuvre, by the list of codes: `final` if the robot is to stand, or is another's."""
+    """The end of a motion or a manoeuvre, with its code; `final`: the robot must stand, or has another holder."""
 
     good: bool
     text: str
@@ -22,10 +22,10 @@ class Ending:
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """The robot now. Directions are degrees clockwise from how it looks when it is docked, its back to the dock.
+    """The robot now. Directions are degrees clockwise from the docked robot's, whose back is to the dock.
 
-    Null and the empty set are not known or not seen. `beams` are those seen in this moment. `ending` is of the action
-    that was asked for last; null while it goes on.
+    None and the empty set mean unknown or not seen. `beams` are those in sight now. `ending` is of the last action;
+    None while it continues.
     """
 
     time_s: float
@@ -68,11 +68,11 @@ class Go:
 Action = Stand | Back | Turn | Go
 STAND = Stand()
 Script = Generator[Action, View, T]
-"""Orders go out by `yield`, views come in by it."""
+"""A coroutine of a manoeuvre: it yields actions and receives views."""
 
 
 class GivenUpError(Exception):
-    """It cannot be done: why, by the list of codes, and in words."""
+    """The manoeuvre cannot be done: the reason as a code, and in words."""
 
     def __init__(self, text: str, code: Code) -> None:
         super().__init__(text)

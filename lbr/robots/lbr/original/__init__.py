@@ -1,7 +1,7 @@
-"""The HTTP API that the robot lbr has always had: its clients, state machines and scripts find it as they know it.
+"""The HTTP API of the robot lbr's first program, unchanged for its clients, state machines and scripts.
 
-`wishes` reads what is asked and `package` says what is known, both without a robot; `driving` moves it for one client
-at a time, and stops it when that client falls silent.
+`wishes` parses requests and `package` makes the telemetry, both without a robot. `driving` moves the base for one
+client at a time, and stops it when that client falls silent.
 """
 
 from lbr.apps.web.ports import FacePorts

@@ -1,6 +1,6 @@
-"""The base, moved for one client of the old API at a time: by a lease that is renewed while that client is heard.
+"""The base, moved for one client of the old API at a time: by a lease that is renewed while that client sends requests.
 
-Everything here is in the capability's loop.
+Everything here runs in the capability's loop.
 """
 
 from dataclasses import dataclass
@@ -19,12 +19,12 @@ from lbr.robots.lbr.original.heartbeat import Heartbeat
 from lbr.robots.lbr.original.wishes import PORTS, Asked, Motion
 
 TTL_S = 0.5
-"""Two threads share this process's interpreter; the base stands so long after it dies."""
+"""The time until the base stops after this process dies; two threads share its interpreter."""
 STOP_S = 1.0
 REST_S = 1.0
-"""A client that another has stopped must be silent for so long, or stop, before it moves the base again."""
+"""The silence of a client whose motion another has stopped, before it may move the base again; or it sends a stop."""
 STEP_S = 0.2
-"""A longer step of the loop counts as one of these: a process that was held up read nobody, and that is no silence."""
+"""The longest step that counts as silence: a process that was held up read no requests meanwhile."""
 STOPPED = frozenset({"stopped", "estop", "taken_over"})
 MOST_TRIES = 3
 TARGETS = {
@@ -37,7 +37,7 @@ TARGETS = {
 
 @dataclass(frozen=True, slots=True)
 class Client:
-    """A client: its address, the token it shows if it does, and by what its program calls itself."""
+    """A client: its address, its token if it has one, and the name of its program."""
 
     address: str
     token: str
@@ -45,11 +45,11 @@ class Client:
 
     @classmethod
     def of(cls, request: Request) -> "Client":
-        """Return the client."""
+        """Return the client of a request."""
         return cls(names.peer_name(request.client.address), request.client.name, request.headers.get("user-agent", ""))
 
-    def is_heard_by(self, asker: "Client") -> bool:
-        """Return whether a request is a sign of life of this client: its own token, or none and the same program."""
+    def is_alive_by(self, asker: "Client") -> bool:
+        """Return whether a request is a sign of life of this client: its own token, or no token and the same program."""
         if asker.address != self.address:
             return False
         return asker.token == self.token if asker.token else asker.agent == self.agent
@@ -60,7 +60,7 @@ class Client:
 
 @dataclass(eq=False, slots=True)
 class Hold:
-    """The motion of the base now, its client, and when that was heard."""
+    """The motion of the base now, its client, and that client's heartbeat."""
 
     client: Client
     motion: Motion
@@ -69,7 +69,7 @@ class Hold:
 
 
 class Driver:
-    """Moves the base for its first client, until that one stops, falls silent, or it is over."""
+    """Moves the base for one client, until that one stops, falls silent, or the motion is over."""
 
     def __init__(self, robot: Robot, heartbeat_s: float, unattended_s: float) -> None:
         self._robot = robot
@@ -77,28 +77,28 @@ class Driver:
         self._unattended_s = unattended_s
         self._hold: Hold | None = None
         self._asking = False
-        self._given_up = (0, "")  # how often, and why
+        self._given_up = (0, "")  # the number of times, and the last reason
         self._stopped_s = -inf
         self._rests: Client | None = None
-        self._silent_s = 0.0  # for how long the client that must rest was not read
+        self._silent_s = 0.0  # for how long the client that must rest has been silent
         self._stepped_s = -inf
         self.begun = -inf
-        """When a motion was accepted last."""
+        """The time of the last accepted motion."""
 
     @property
     def holder(self) -> str:
-        """Return for whom the base moves; empty for nobody."""
+        """Return the client for which the base moves; empty without one."""
         return str(self._hold.client) if self._hold is not None else ""
 
     def beat(self, client: Client) -> None:
-        """Take note that a client lives."""
-        if self._hold is not None and self._hold.client.is_heard_by(client):
+        """Count a request as a sign of life of a client."""
+        if self._hold is not None and self._hold.client.is_alive_by(client):
             self._hold.heartbeat.beat(self._robot.now())
 
     async def move(self, client: Client, asked: Asked, came_s: float = inf) -> None:
-        """Move like this from now on; return once the drive has accepted it, else raise Refused with the reason.
+        """Start this motion; return once the drive has accepted it, else raise Refused with the reason.
 
-        A request from before a stop that is read only now begins nothing; `came_s` is its arrival.
+        A request from before a stop that is read only after it begins nothing; `came_s` is its arrival.
         """
         assert asked.motion is not None
         before = self._given_up
@@ -108,7 +108,7 @@ class Driver:
         await until(lambda: not self._asking or self._given_up != before)
         self._refuse_given_up(before)
         hold = self._hold
-        if hold is not None and not hold.client.is_heard_by(client):
+        if hold is not None and not hold.client.is_alive_by(client):
             raise Refused(409, f"held by {hold.client}; stop it first", code="held")
         if hold is not None and hold.motion == asked.motion and hold.lease.holds:
             hold.heartbeat.beat(self._robot.now())
@@ -121,8 +121,8 @@ class Driver:
             self._asking = False
 
     async def stop(self, client: Client, why: str, came_s: float = inf) -> None:
-        """Stop whatever moves, whoever moves it; return once that was acknowledged, else raise Refused."""
-        if self._rests is not None and self._rests.is_heard_by(client):
+        """Stop every motion, of any sender; return once that was acknowledged, else raise Refused."""
+        if self._rests is not None and self._rests.is_alive_by(client):
             self._rests = None
         self.give_up(why, client, came_s)
         asked = self._robot.ctx.ask("halt", StopCommand(reason=why[:200], whole=True), STOP_S)
@@ -137,23 +137,23 @@ class Driver:
                 raise Refused(409, answer.why)
 
     def stop_own(self, client: Client, why: str) -> None:
-        """Stop what moves for a client."""
-        if self._hold is not None and self._hold.client.is_heard_by(client):
+        """Stop a client's motion."""
+        if self._hold is not None and self._hold.client.is_alive_by(client):
             self.give_up(why, client)
 
     def give_up(self, why: str, by: Client | None = None, came_s: float = inf) -> None:
-        """Move nothing any more, also not what was asked for and has not begun; `by` is the client that says so."""
+        """Give up the motion, and motions that have not begun; `by` is the client that requests it."""
         self._given_up = (self._given_up[0] + 1, why)
         self._stopped_s = max(self._stopped_s, min(came_s, self._robot.now()))
         hold, self._hold = self._hold, None
         if hold is None:
             return
         hold.lease.release(why)
-        if by is None or not hold.client.is_heard_by(by):
+        if by is None or not hold.client.is_alive_by(by):
             self._rests, self._silent_s = hold.client, 0.0
 
     def step(self, now: float) -> None:
-        """Read the answers, renew, and stop what nobody wants any more."""
+        """Read replies, renew the lease, and stop motion that has lost its client."""
         self._silent_s += min(now - self._stepped_s, STEP_S)
         self._stepped_s = now
         hold = self._hold
@@ -181,7 +181,7 @@ class Driver:
             self._robot.ctx.event("client_lost", f"the base was stopped: {why}", level="warning", code="holder_gone")
 
     async def _ask(self, client: Client, motion: Motion, heartbeat: Heartbeat, before: tuple[int, str]) -> None:
-        """Begin, or go on under the lease there is; what ended just then is begun again."""
+        """Begin, or continue under the present lease; retry if that has just ended."""
         why: Reason | None = None
         for _ in range(MOST_TRIES):
             hold = self._hold
@@ -191,7 +191,7 @@ class Driver:
             if why is None or not (changes and why.code in {"dead_lease", "done"}):
                 break
             self._hold = None
-        if why is not None and why.code != "done":  # what is there already needs no motion
+        if why is not None and why.code != "done":  # a range that is reached already needs no motion
             raise Refused(503 if why.code in {"unreachable", "wiring"} else 409, why)
 
     async def _begin(self, client: Client, motion: Motion, heartbeat: Heartbeat) -> Reason | None:
@@ -205,7 +205,7 @@ class Driver:
         return lease.ended or Reason("cancelled", "it was given up")
 
     async def _change(self, client: Client, motion: Motion, heartbeat: Heartbeat) -> Reason | None:
-        """Quote the lease for another motion; whatever is refused ends what moves."""
+        """Quote the lease for another motion; a refusal ends the present one."""
         assert self._hold is not None
         assert self._hold.lease.accepted is not None
         held = structs.replace(self._hold.lease.accepted, goal="")
@@ -225,7 +225,7 @@ class Driver:
             return Reason("dead_lease", reply.why.text)
         if reply.code == "dead_lease":
             self._rests, self._silent_s = client, 0.0
-        lease.step()  # it halts what is not wanted any more
+        lease.step()  # it halts unwanted motion
         self._hold = None
         return reply.why
 
@@ -237,8 +237,8 @@ class Driver:
             raise Refused(409, self._given_up[1], code="stopped")
 
     def _refuse_unrested(self, client: Client) -> None:
-        """Refuse to begin again for a client that goes on asking although another has stopped what it moved."""
-        if self._rests is None or not self._rests.is_heard_by(client):
+        """Refuse a new motion for a client that keeps asking although another has stopped it."""
+        if self._rests is None or not self._rests.is_alive_by(client):
             return
         if self._silent_s >= REST_S:
             self._rests = None

@@ -1,34 +1,34 @@
-"""When a client that moves the robot counts as lost: by what it asked for, and when it was heard since. Pure."""
+"""The loss of a client that moves the robot, by its motion and its signs of life. Pure."""
 
 ATTENDED = 2
-"""After so many requests in time a client is taken to attend to what it began."""
+"""The number of timely requests after which a client counts as attending."""
 
 
 class Heartbeat:
-    """The silence that a client may keep: `most_s`, and after what ends by itself at first `alone_s`.
+    """The silence that a client may keep: `most_s`, and for a motion with an end of its own at first `alone_s`.
 
-    Scripts begin a turn and leave, and a state machine sleeps while it drives for seconds; so what ends by itself may
-    go on without its client. One that keeps asking meanwhile, each time in time, shows that it attends: then its
-    silence counts as it does always.
+    Scripts begin a turn and leave, and a state machine sleeps while it drives for seconds. So a motion with an end of
+    its own may continue without its client. A client that keeps asking meanwhile, each time in time, shows that it
+    attends. From then on `most_s` applies to its silence.
     """
 
     def __init__(self, now: float, most_s: float, alone_s: float = 0.0) -> None:
         self._most_s = most_s
-        self._heard = now
+        self._beat_at = now
         self._alone_until = now + alone_s
         self._in_time = 0
 
     def beat(self, now: float) -> None:
-        """Take note that the client was heard."""
-        self._in_time = self._in_time + 1 if now - self._heard <= self._most_s else 0
-        self._heard = now
+        """Count a sign of life."""
+        self._in_time = self._in_time + 1 if now - self._beat_at <= self._most_s else 0
+        self._beat_at = now
 
     def silent_s(self, now: float) -> float:
-        """Return for how long it has not been heard."""
-        return now - self._heard
+        """Return the time since the last sign of life."""
+        return now - self._beat_at
 
     def is_lost(self, now: float) -> bool:
-        """Return whether it was silent for too long; comparisons are such that NaN is."""
-        if now - self._heard <= self._most_s:
+        """Return whether it was silent for too long; with NaN in a comparison it was."""
+        if now - self._beat_at <= self._most_s:
             return False
         return self._in_time >= ATTENDED or not now <= self._alone_until

@@ -1,8 +1,8 @@
-"""The telemetry in the names and units that the robot lbr has always told. Pure.
+"""The telemetry in the names and units of the robot lbr's first program. Pure.
 
-A value that was never measured is not made up: its part is left out, or it is null. Distances keep the numbers that the
-ring itself tells, for those who compare with them: `over_range_cm` for nothing within reach, 0 for a sensor that is not
-there or answers an error, and -1 if nothing new came of the ring.
+A value that was never measured is not made up: its part is left out, or it is null. Distances keep the ring's own
+numbers, for clients that compare with them. They are `over_range_cm` for nothing within reach, 0 for a missing or
+failing sensor, and -1 without a fresh reading.
 """
 
 import time
@@ -16,21 +16,21 @@ from lbr.messages.telemetry import AmperagesPart, BatteryPart, CountsPart, ImuPa
 
 SENSORS = {"Forward": "forward", "Left": "left", "Right": "right", "Back": "back", "Bottom": "bottom"}
 STALE_S = 2.0
-"""Distances are measured ten times a second."""
+"""The age limit of distances, which are measured ten times a second."""
 GRAVITY_MPS2 = 9.81
 GYRO_SIGNS = (-1, 1, -1)
 """Clockwise is positive, as is nose down."""
 LOW_V = 10.6
-"""Below it the voltages are told: as an alarm, and at no other time."""
+"""The voltage below which the voltages are included: as an alarm, and at no other time."""
 LASTING = ("amperages", "Bat", "Count")
-"""Parts that stay as they were told last, as `MPU` does: state machines read them in every round."""
+"""Parts that keep their last values, as `MPU` does: state machines read them in every round."""
 OFF = {"device": "", "status": "off"}
 
 
 def package(
     telemetry: Received | None, ranges: Received | None, now: float, wall: float, over_range_cm: int
 ) -> dict[str, Any]:
-    """Return what is known, `now` by the clock that messages are dated by and `wall` in seconds since 1970."""
+    """Return the telemetry, `now` by the clock of messages' dates and `wall` in seconds since 1970."""
     telling: dict[str, Any] = {}
     if ranges is not None:
         age_s = ranges.age_s(now)
@@ -60,26 +60,26 @@ def package(
 
 
 def lasting(before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the telemetry, with what was told before where it tells nothing; each part has its own old time."""
-    found = {**{name: before[name] for name in LASTING if name in before}, **now}
+    """Return the telemetry, completed with previous parts; each of these keeps its own old time."""
+    completed = {**{name: before[name] for name in LASTING if name in before}, **now}
     if imu := _lasting_imu(before.get("MPU", {}), now.get("MPU", {})):
-        found["MPU"] = imu
-    return found
+        completed["MPU"] = imu
+    return completed
 
 
 def cameras(telemetry: Received | None) -> dict[str, Any]:
-    """Return which cameras there are and which is on; `off` is for none."""
+    """Return the cameras and their switches; `off` means no camera."""
     part = telemetry.message.cameras if telemetry is not None else None
     if part is None:
         return {}
-    there = {
+    states = {
         name: {"device": camera.device, "status": "on" if camera.on else "off"} for name, camera in part.cameras.items()
     }
-    return {**there, "off": dict(OFF)}
+    return {**states, "off": dict(OFF)}
 
 
 def with_beams(telemetry: dict[str, Any], seen: Mapping[str, float], wall: float) -> dict[str, Any]:
-    """Return the package with what others have seen of the dock: how long ago each beam, in seconds."""
+    """Return the package with beams of the dock reported by others: the age of each beam, in seconds."""
     if not seen:
         return telemetry
     signal = telemetry.get("dockSignal", {"left": 0, "right": 0, "time": 0.0})
@@ -89,7 +89,7 @@ def with_beams(telemetry: dict[str, Any], seen: Mapping[str, float], wall: float
 
 
 def _lasting_imu(before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what the inertial unit tells now, or told before: as old as the older of both."""
+    """Return the inertial unit's values, completed with previous ones: as old as the oldest."""
     kept = {name: one for name, one in before.items() if one is not None and now.get(name) is None}
     return {**now, **kept, "time": before["time"]} if kept else dict(now)
 
@@ -130,7 +130,7 @@ def _gyro(part: ImuPart) -> list[float] | None:
 
 def _amperages(part: AmperagesPart, at: float) -> dict[str, Any] | None:
     if part.left_a is None or part.right_a is None:
-        return None  # no current is told as 0 that was not measured: state machines wait for it
+        return None  # an unmeasured current is not sent as 0: state machines wait for that
     return {"leftMotor": round(part.left_a, 1) + 0.0, "rightMotor": round(part.right_a, 1) + 0.0, "time": _text(at)}
 
 
@@ -159,5 +159,5 @@ def _voltages(part: VoltagesPart, at: float) -> dict[str, Any] | None:
 
 
 def _text(at: float) -> str:
-    """Return a time as the text that C's asctime makes of it, where the robot is."""
+    """Return a time as C's asctime formats it, in the robot's time zone."""
     return time.asctime(time.localtime(at))

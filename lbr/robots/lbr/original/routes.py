@@ -1,4 +1,4 @@
-"""The old API as a face: its paths, and for each what it has always answered."""
+"""The old API as a face: its paths, with the original's replies."""
 
 import time
 from typing import Annotated, Any
@@ -36,7 +36,7 @@ ALLOWED = {
 ASK_FOR_TOKEN = {"WWW-Authenticate": 'TOK realm="lbr"'}
 NO_TOKEN = "show a token: 'User: NAME' and 'Authorization: TOK:TOKEN'; 'lbr token add NAME --for web' makes one"  # noqa: S105 - a sentence
 ACT_S = 4.0
-"""A motion may have to be asked for again, and a text is said after that."""
+"""The time limit of an action: a motion may need a second request, and speech follows it."""
 ASK_S, CATCH_UP_S = 1.0, 1.0
 REFUSED = Refuses({400: "It makes no sense.", 401: "A token is needed.", 409: "The robot refuses it now."})
 NOT_VALID = Refuses({401: "The token is not valid."})
@@ -54,7 +54,7 @@ class Acting(Route):
 
 
 class LbrOriginalFace(web.Face):
-    """The requests of the robot lbr's clients; pictures are as the face `cameras` shows them."""
+    """The requests of the robot lbr's clients; pictures are those of the face `cameras`."""
 
     name = "lbr_original"
 
@@ -65,26 +65,26 @@ class LbrOriginalFace(web.Face):
         self._driver = Driver(robot, settings.heartbeat_s, settings.unattended_s)
         self._cameras = CamerasFace(Ports(robot))
         self._seen: dict[str, float] = {}
-        self._told: dict[str, Any] = {}
-        self._told_at: float | None = None
+        self._telemetry_parts: dict[str, Any] = {}
+        self._telemetry_at: float | None = None
 
     def routes(self) -> list[Route]:
-        """Return what it answers; what fits any path comes last."""
+        """Return its routes; the one that fits any path comes last."""
         return [*declared(self), *(one for one in self._cameras.routes() if one.path != "/cameras")]
 
     def step(self, now: float) -> None:
-        """Go on with what moves, and take pictures in."""
+        """Continue motion, and receive pictures."""
         self._cameras.step(now)
         self._driver.step(now)
         self._remember(self._robot.ctx.latest("telemetry"), now)
 
     def knows(self) -> bool:
-        """Return whether every part of the telemetry that the robot has was told."""
+        """Return whether there was a message with every part of the telemetry that the robot has."""
         latest = self._robot.ctx.latest("telemetry")
         return latest is not None and latest.message.complete
 
     def stopped(self, reason: str) -> None:
-        """Move nothing any more."""
+        """Give up every motion."""
         self._driver.give_up(reason)
 
     def close(self) -> None:
@@ -92,7 +92,7 @@ class LbrOriginalFace(web.Face):
         self._cameras.close()
 
     def state(self) -> dict[str, Any]:
-        """Return for whom the base moves."""
+        """Return the client for which the base moves."""
         return {"holder": self._driver.holder}
 
     @post("/", Acting, role=None, within_s=ACT_S)
@@ -133,7 +133,7 @@ class LbrOriginalFace(web.Face):
 
     @post("/say", Acting, role=None)
     async def _say(self, request: Request, body: bytes) -> Annotated[Response, {200: None}, REFUSED]:
-        """Say a text."""
+        """Speak a text."""
         _require(request, "operate")
         try:
             text = wishes.speech(body)
@@ -144,7 +144,7 @@ class LbrOriginalFace(web.Face):
 
     @post("/docksignal", Acting, role=None)
     async def _dock(self, request: Request, body: bytes) -> Annotated[None, REFUSED]:
-        """Tell that a beam of the dock is seen."""
+        """Report that a beam of the dock is seen."""
         _require(request, "operate")
         try:
             beams = wishes.beams(body)
@@ -185,14 +185,14 @@ class LbrOriginalFace(web.Face):
     @get("/telemetry")
     @get("/telemetry{more:path}")
     async def _telemetry(self, request: Request) -> Annotated[Text, NOT_VALID]:
-        """All that is known, in the names of old."""
+        """The whole telemetry, in the original's names."""
         if request.method == "GET":
             self._driver.beat(Client.of(request))
             await self._catch_up()
         return web.text(msgspec.json.encode(self._package()).decode())
 
     async def _catch_up(self) -> None:
-        """Wait for telemetry that is newer than the last motion: clients wait for one to end by its currents."""
+        """Wait for telemetry newer than the last motion: clients detect the end of a motion by its currents."""
         latest, late = self._robot.ctx.latest, self._robot.now() + CATCH_UP_S
 
         def is_new() -> bool:
@@ -205,13 +205,13 @@ class LbrOriginalFace(web.Face):
     @get("/cameras")
     @get("/cameras{more:path}")
     async def _states(self) -> Annotated[dict[str, Any], NOT_VALID]:
-        """Which cameras there are, and which is on."""
+        """The cameras, and their switches."""
         return cameras(self._robot.ctx.latest("telemetry"))
 
     @get("/validate", role=None)
     @get("/validate{more:path}", role=None)
     def _validate(self, request: Request) -> Annotated[Text, NOT_VALID]:
-        """Say whether the token shown is valid."""
+        """Check whether the request's token is valid."""
         valid = bool(request.client.name)
         return web.text(VALID) if valid else Response(INVALID, 401, ASK_FOR_TOKEN, web.TEXT)
 
@@ -229,19 +229,19 @@ class LbrOriginalFace(web.Face):
         wall, telemetry = time.time(), latest("telemetry")
         self._remember(telemetry, now)
         newest = package(telemetry, latest("ranges"), now, wall, self._settings.over_range_cm)
-        found = lasting(self._told, newest)
+        found = lasting(self._telemetry_parts, newest)
         self._seen = {name: at for name, at in self._seen.items() if now - at <= self._settings.dock_ttl_s}
         return with_beams(found, {name: now - at for name, at in self._seen.items() if name != "power"}, wall)
 
     def _remember(self, newest: Received | None, now: float) -> None:
-        """Keep what is told: state machines compute with it, also while it is not known."""
-        if newest is not None and newest.arrived != self._told_at:
-            self._told_at = newest.arrived
-            told = package(newest, None, now, time.time(), self._settings.over_range_cm)
-            self._told = lasting(self._told, told)
+        """Store the telemetry: state machines use its last values while they are unknown."""
+        if newest is not None and newest.arrived != self._telemetry_at:
+            self._telemetry_at = newest.arrived
+            parts = package(newest, None, now, time.time(), self._settings.over_range_cm)
+            self._telemetry_parts = lasting(self._telemetry_parts, parts)
 
     def _answered(self, err: Refused | None = None) -> Response:
-        """Return the telemetry, and what was refused of what was asked."""
+        """Return the telemetry, with a refusal if there is one."""
         if err is None:
             return web.json(self._package())
         refused = {"message": err.message, "code": err.code}
@@ -250,7 +250,7 @@ class LbrOriginalFace(web.Face):
 
 
 def _require(request: Request, role: Role) -> None:
-    """Raise Refused unless a token, or the setting `legacy`, lets a request do what needs a role."""
+    """Raise Refused unless a token, or the setting `legacy`, permits a role's request."""
     client = request.client
     if not (client.name or client.legacy):
         raise Refused(401, NO_TOKEN)

@@ -1,7 +1,7 @@
-"""The demand of a request of the old API, out of its JSON. Pure.
+"""The content of a request of the old API, from its JSON. Pure.
 
-As its clients know it: the first of `heading`, `turn` and `level` counts, an empty string is as if nothing were there,
-numbers may be texts but for the level, and what is bounded is bounded by whole centimetres and seconds.
+The rules are the original's. The first of `heading`, `turn` and `level` counts. An empty string counts as missing.
+Numbers may be texts, except for the level. Bounds are whole centimetres and seconds.
 """
 
 import json
@@ -22,7 +22,7 @@ PORTS: dict[type[Motion], Port] = {
     TurnCommand: "drive_turn",
     HeadingCommand: "drive_heading",
 }
-"""By which request each motion is asked for."""
+"""The request for each type of motion."""
 SENSORS = ("forward", "back", "left", "right", "bottom")
 NEAREST_CM, FARTHEST_CM = 17, 768
 """The bounds for a range to stop at, as in the original."""
@@ -31,11 +31,11 @@ NOTHING = "say 'level' and 'angle', 'turn', 'heading' or 'speech'"
 
 
 class NotFiniteError(InputError):
-    """A NaN: its sender has lost its way, so the robot is to stand."""
+    """A NaN: its sender computes wrongly, so the robot must stand."""
 
 
 class Asked(Struct, frozen=True, kw_only=True):
-    """The demand: a motion, or to stop, and what to say; empty is nothing."""
+    """The content: a motion, or a stop, and a text to speak."""
 
     motion: Motion | None = None
     stop: bool = False
@@ -51,10 +51,10 @@ class Asked(Struct, frozen=True, kw_only=True):
 
 
 def decoded(body: bytes) -> Any:
-    """Return what a body says; InputError for what is not JSON. NaN and infinite numbers are read as such."""
+    """Return the content of a body, with NaN and infinite numbers; raise InputError if it is not JSON."""
     try:
         content = json.loads(keyed_once(body))
-        json.dumps(content, ensure_ascii=False).encode()  # half a character is JSON, but no text
+        json.dumps(content, ensure_ascii=False).encode()  # a lone surrogate is JSON, but no text
     except UnicodeEncodeError:
         raise InputError("the body has text that is no Unicode") from None
     except (ValueError, RecursionError) as err:  # a ValidationError is a ValueError
@@ -63,7 +63,7 @@ def decoded(body: bytes) -> Any:
 
 
 def asked(body: bytes) -> Asked:
-    """Return what a request to `/` asks for; InputError says what is wrong with it."""
+    """Return the content of a request to `/`; raise InputError with its error."""
     fields = _mapping(decoded(body))
     speech = _speech(fields["speech"]) if _is_there(fields, "speech") else ""
     if _is_there(fields, "heading"):
@@ -79,7 +79,7 @@ def asked(body: bytes) -> Asked:
 
 
 def speech(body: bytes) -> str:
-    """Return what a request to `/say` says; InputError without a text."""
+    """Return the text of a request to `/say`; raise InputError without one."""
     text = _speech(_mapping(decoded(body)).get("speech"))
     if not text:
         raise InputError('say it as {"speech": "text"} or {"speech": {"text": "text"}}')
@@ -87,15 +87,15 @@ def speech(body: bytes) -> str:
 
 
 def beams(body: bytes) -> dict[str, bool]:
-    """Return which beams of the dock a request to `/docksignal` has seen or has not; InputError without any."""
+    """Return for each beam in a request to `/docksignal` whether it is seen; raise InputError without any."""
     signal = _mapping(decoded(body)).get("dockSignal")
     example = 'say it as {"dockSignal": {"time": 1676000000.0, "left": 1}}'
     if not isinstance(signal, dict):
         raise InputError(example)
-    found = {name: bool(_number(signal, name)) for name in ("left", "right", "power") if _is_there(signal, name)}
-    if not found:
+    beams_seen = {name: bool(_number(signal, name)) for name in ("left", "right", "power") if _is_there(signal, name)}
+    if not beams_seen:
         raise InputError(f"{example}, with left, right or power")
-    return found
+    return beams_seen
 
 
 def _heading(fields: Mapping[str, Any]) -> HeadingCommand:
@@ -113,7 +113,7 @@ def _turn(fields: Mapping[str, Any]) -> TurnCommand:
 
 
 def _drive(fields: Mapping[str, Any]) -> DriveCommand | None:
-    """Return how to drive; None for standing still, which a level below 0 is as well."""
+    """Return the motion to drive; None for a stop, such as a level below 0."""
     if isinstance(fields["level"], str):
         raise InputError("level must be a number, not a text")
     level = round(min(1.0, _number(fields, "level")), 2)
@@ -148,7 +148,7 @@ def _sensor(fields: Mapping[str, Any]) -> str:
 
 
 def _speech(wording: Any) -> str:
-    """Return a text, however it is wrapped; of a mapping, only `text` counts."""
+    """Return a text, bare or wrapped; of a mapping, only `text` counts."""
     if isinstance(wording, dict):
         wording = wording.get("text")
     if wording is None:
@@ -159,7 +159,7 @@ def _speech(wording: Any) -> str:
 
 
 def _bound(fields: Mapping[str, Any], name: str) -> int:
-    """Return a bound in whole units; 0 for none, and for what is not above 0."""
+    """Return a bound in whole units; 0 for none, and for a bound below 0."""
     return max(0, _whole(fields, name)) if _is_there(fields, name) else 0
 
 
