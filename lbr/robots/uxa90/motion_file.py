@@ -1,4 +1,4 @@
-"""Between motion files of the UXA-90's maker and motions of a robot's joints."""
+"""Conversion between motion files of the UXA-90's maker and motions of a robot's joints."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -16,9 +16,9 @@ from lbr.robots.uxa90.rbm import MOST_COUNTS, RbmFile, Scene, ServoMove
 FACTORY = "factory"
 """The layer of the table `motor` whose `rest` are the nominal zeros."""
 STEP_S, TORQUE = 0.02, 2
-"""A player's step, and the maker's own torque for servos that move."""
+"""A player's step, and the maker's own torque for moving servos."""
 BEGIN_S = 1.0
-"""A motion of the maker's begins where it is; ours leads there first, in this long or what the joints need."""
+"""The least time to the first pose: a maker's motion starts in it, ours first leads there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,18 +32,18 @@ class RbmMotion:
         return any(motor.layer == FACTORY for motor in rows.of(Motor))
 
     def motions(self, rows: RobotRows) -> tuple[tuple[Motion, ...], list[Note]]:
-        """Return it in the angles of a robot's joints, and what people should know of it."""
+        """Return it in the angles of a robot's joints, with notes for people."""
         motion, notes = of_rbm(self.file, rows)
         return (motion,), notes
 
 
 def read(content: bytes) -> RbmMotion:
-    """Return the motion in a file; InputError names the field that cannot be."""
+    """Return the motion in a file; raise InputError naming an invalid field."""
     return RbmMotion(rbm.parse(content))
 
 
 def of_rbm(file: RbmFile, rows: RobotRows) -> tuple[Motion, list[Note]]:
-    """Return the motion of a maker's file for a robot's joints, and what people should know about it."""
+    """Return the motion of a maker's file for a robot's joints, with notes for people."""
     nominal = {motor.id: motor for motor in rows.of(Motor) if motor.layer == FACTORY}
     joints = {row.device_id: row for row in rows.of(Joint) if row.device_id in nominal}
     if not joints:
@@ -66,7 +66,7 @@ def of_rbm(file: RbmFile, rows: RobotRows) -> tuple[Motion, list[Note]]:
 
 
 def write(motion: Motion, rows: RobotRows) -> tuple[bytes, list[Note]]:
-    """Return a motion as a file of the maker's, and what it cannot say; InputError if a joint cannot be there."""
+    """Return a motion as a file of the maker's, with notes on its losses; raise InputError for a joint without a motor."""
     nominal = {motor.id: motor for motor in rows.of(Motor) if motor.layer == FACTORY}
     joints = {row.name: row for row in rows.of(Joint) if row.device_id in nominal}
     used = {name for frame in motion.frames for name in frame.positions}
@@ -93,11 +93,11 @@ def write(motion: Motion, rows: RobotRows) -> tuple[bytes, list[Note]]:
         for number, (before, pose, duration_s) in enumerate(zip((*begins, *ends), ends, durations, strict=False), 1)
     )
     zeros = {servo: row.rest for servo, row in nominal.items()}
-    return rbm.write(RbmFile(motion.name, "", "0" * 13, zeros, scenes)), _unsaid(motion, beyond)
+    return rbm.write(RbmFile(motion.name, "", "0" * 13, zeros, scenes)), _losses(motion, beyond)
 
 
-def _unsaid(motion: Motion, beyond: Collection[str]) -> list[Note]:
-    """Return what a file cannot say of a motion."""
+def _losses(motion: Motion, beyond: Collection[str]) -> list[Note]:
+    """Return notes on the parts of a motion that a file cannot hold."""
     name = motion.name
     notes = [
         Note("changed", "scene", name, "positions", "a scene names all servos: others stand at their nominal zero"),
@@ -127,7 +127,7 @@ def _other_zeros(name: str, zeros: Mapping[int, int], nominal: Mapping[int, Moto
 def _frame(
     counts: Mapping[int, int], duration_s: float, joints: Mapping[int, Joint], nominal: Mapping[int, Motor]
 ) -> KeyFrame:
-    """Return a key frame in the joints' angles: a count more is the same angle whatever a robot's own zero is."""
+    """Return a key frame in the joints' angles: a count is the same angle whatever a robot's own zero is."""
     positions = {
         row.name: round(row.sign * (counts[servo] - nominal[servo].rest) * COUNT_RAD, DIGITS) + 0.0
         for servo, row in joints.items()

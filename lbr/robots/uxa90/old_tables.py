@@ -1,4 +1,4 @@
-"""The tables of the UXA-90's first API: motors, motions and their buttons as it told them, and its settings file."""
+"""The tables of the UXA-90's first API, motors, motions and their buttons, and its settings file."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -9,7 +9,7 @@ from lbr.names import name_from
 from lbr.robot.old_data import Choice, Here, Note, OldData, Source, Want, no_place
 
 LAYER = "original"
-"""Of the table `motor`: what the shipped layers say stays beside it."""
+"""The layer of imported motors in the table `motor`; the shipped layers stay beside it."""
 _MOTOR = {"id", "name", "min", "max", "default"}
 _MOTION = {"id", "name", "button"}
 _LINE = re.compile(r"\s*(?:export\s+)?([A-Z][A-Z0-9_]*)\s*=\s*(.*?)\s*", re.ASCII)
@@ -38,7 +38,7 @@ class OldTables(NamedTuple):
 
 
 class OldSettings(NamedTuple):
-    """The environment that the API was started with."""
+    """The environment in which the API was started."""
 
     settings: Mapping[str, str]
 
@@ -59,7 +59,7 @@ class OldSettings(NamedTuple):
 
 
 def read(source: Source) -> OldData | None:
-    """Return tables: what `GET /motor` or `GET /motion` answered, a list of such rows, or both by their names."""
+    """Return tables from an answer to `GET /motor` or `GET /motion`, a list of such rows, or both by their names."""
     content = source.json
     if isinstance(content, dict) and isinstance(content.get("data"), list):
         content = content["data"]
@@ -81,10 +81,10 @@ def read_settings(source: Source) -> OldData | None:
     if source.text is None or not (source.name.endswith(".env") or source.name.startswith(".env")):
         return None
     lines = [line for line in source.text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
-    found = [_LINE.fullmatch(line) for line in lines]
-    if not found or None in found:
+    matches = [_LINE.fullmatch(line) for line in lines]
+    if not matches or None in matches:
         return None
-    return OldSettings({one[1]: one[2].strip("'\"") for one in found if one is not None})
+    return OldSettings({one[1]: one[2].strip("'\"") for one in matches if one is not None})
 
 
 def _like(rows: object, columns: set[str]) -> list[Mapping[str, Any]]:

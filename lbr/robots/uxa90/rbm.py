@@ -1,8 +1,8 @@
 """Reads and writes motion files of the UXA-90's maker (`.rbm`): one line of fields between colons. Pure.
 
-A header, then for each servo its gains and zero, then scenes. A scene leads every servo from one position to another in
-its transition time; the player writes them in as many steps as it has frames. Positions count as on a robot whose zeros
-are the nominal ones. Worked out from the files themselves.
+A header comes first, then each servo's gains and zero, then scenes. A scene leads every servo from one position to
+another in its transition time. The player writes that in as many steps as it has frames. Positions count as on a robot
+with nominal zeros. Derived from the files themselves.
 """
 
 import re
@@ -16,7 +16,7 @@ MOST_FRAMES = 100_000
 LONGEST_MS = 3_600_000
 MOST_COUNTS = 255
 GAINS = (30, 10, 0)
-"""P, D and I, as the maker's own files have them for joints that carry little."""
+"""P, D and I, from the maker's own files, for joints with little load."""
 _WHOLE = re.compile(r"\s*(\d{1,9})\s*", re.ASCII)
 
 
@@ -39,7 +39,7 @@ class Scene(NamedTuple):
 
 
 class RbmFile(NamedTuple):
-    """A whole file; `zeros` are the servos' zeros that it was written for."""
+    """A whole file; `zeros` are the zeros of the servos for which it was written."""
 
     name: str
     author: str
@@ -49,7 +49,7 @@ class RbmFile(NamedTuple):
 
 
 def parse(content: bytes) -> RbmFile:
-    """Return what a file says; InputError names the field that cannot be."""
+    """Return the content of a file; raise InputError naming an invalid field."""
     fields = _Fields(content.decode("latin-1").strip("\0\r\n\t "))
     fields.whole("format", 0, 999)
     serial = fields.text(fields.whole("length of the serial number", 0, 99), "serial number")
@@ -71,7 +71,7 @@ def parse(content: bytes) -> RbmFile:
 
 
 def write(file: RbmFile) -> bytes:
-    """Return a file that says this, with gains of 30, 10 and 0 for every servo; a colon in a name is left out."""
+    """Return the content of a file, with gains of 30, 10 and 0 for every servo, and without colons in names."""
     header = [
         1,
         len(file.serial),
@@ -136,7 +136,7 @@ def _scene(fields: "_Fields", index: int, servos: int) -> Scene:
 
 
 class _Fields:
-    """Takes one field after the other, and knows which for an error; `where` is the part of the file it is in."""
+    """Takes one field after the other, and knows its number for an error; `where` is its part of the file."""
 
     def __init__(self, text: str) -> None:
         self.where = "header"
@@ -150,14 +150,13 @@ class _Fields:
             raise InputError(f"the file ends after field {self._number}, where {self.where} should have its {what}")
         end = self._text.find(":", self._at)
         end = len(self._text) if end < 0 else end
-        found = self._text[self._at : end]
+        field = self._text[self._at : end]
         self._at = end + 1
         self._number += 1
-        return found
+        return field
 
     def text(self, length: int, field_name: str) -> str:
-        """Return a field of this many characters, which may have colons of its own; one of another length ends at a
-        colon."""
+        """Return a field of this many characters, which may contain colons; with another length it ends at a colon."""
         end = self._at + length
         if self._text[end : end + 1] not in {":", ""}:
             return self.until_colon(field_name)
@@ -173,14 +172,14 @@ class _Fields:
         text = self.until_colon(field_name)
         digits = _WHOLE.fullmatch(text)
         if digits is None or not least <= int(digits[1]) <= most:
-            said = "".join(c if c.isascii() and c.isprintable() else "?" for c in text[:20])
+            shown_text = "".join(c if c.isascii() and c.isprintable() else "?" for c in text[:20])
             raise InputError(
-                f"field {self._number} ({self.where}, {field_name}): '{said}' is not a whole number from {least} to {most}"
+                f"field {self._number} ({self.where}, {field_name}): '{shown_text}' is not a whole number from {least} to {most}"
             )
         return int(digits[1])
 
     def end(self) -> None:
-        """Raise InputError if there is more."""
+        """Raise InputError if there is more input."""
         rest = self._text[self._at :].replace(":", "").strip()
         if rest:
             raise InputError(f"field {self._number + 1}: there is more after the last scene")

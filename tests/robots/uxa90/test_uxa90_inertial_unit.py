@@ -30,8 +30,8 @@ class Unit(Rig):
         while self.line.now < until_s:
             unit_s = self.unit.turn(self.bus, self.line.now)
             self.line.now += min(unit_s, self.poller.turn(self.bus), 0.01)
-            while self.bus.told:
-                self.take(self.unit.hear(self.bus.told.popleft(), self.line.now))
+            while self.bus.board_frames:
+                self.take(self.unit.hear(self.bus.board_frames.popleft(), self.line.now))
             self.take(self.unit.missed(self.line.now))
 
     def take(self, sample):

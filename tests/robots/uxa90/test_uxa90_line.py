@@ -173,7 +173,7 @@ def test_a_frame_that_comes_between_is_told_and_takes_nobodys_place():
     strays = rig.bus.counts.babble
     rig.line.inject(TAKE_CONTROL, 0.002)
     rig.run(0.3)
-    assert list(rig.bus.told) == [Frame(0x10, 0, b"\x01")]
+    assert list(rig.bus.board_frames) == [Frame(0x10, 0, b"\x01")]
     assert rig.bus.counts.babble == strays
     assert rig.believed() == rig.fuzzer.truth
 

@@ -81,11 +81,11 @@ def test_control_is_there_soon_after_the_answer_or_when_it_has_settled():
     taking = pc_control.taking(10.0, 1.0)
     assert not pc_control.tick(taking, 10.9).pc
     assert pc_control.tick(taking, 11.0).pc
-    answered = pc_control.heard(taking, 10.1)
+    answered = pc_control.answered_frame(taking, 10.1)
     assert not pc_control.tick(answered, 10.14).pc
     assert pc_control.tick(answered, 10.16).pc
-    assert pc_control.heard(PcControl(), 1.0) == PcControl()
-    assert not pc_control.tick(pc_control.left(12.0), 99.0).pc
+    assert pc_control.answered_frame(PcControl(), 1.0) == PcControl()
+    assert not pc_control.tick(pc_control.normal(12.0), 99.0).pc
 
 
 asked = st.one_of(

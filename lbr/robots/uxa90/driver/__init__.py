@@ -23,7 +23,7 @@ Slot = Annotated[int, Meta(ge=1, le=42)]
 
 
 class ImuSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The questions to the main board's inertial unit, and the meaning of its six bytes, unverified on a robot."""
+    """The rate of questions to the main board's inertial unit, and the meaning of its six bytes, unverified on a robot."""
 
     asked: Annotated[
         Literal["never", "simulated", "always"],
@@ -49,8 +49,8 @@ class Uxa90Settings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fi
         basic("joints", "Emergency stop", description="the emergency stop: hold, short the motors, or release"),
     ] = "break"
     acknowledge_s: AcknowledgeS = 3.0
-    """Until every servo was read to stand still: after a motion of the main board a second passes before any may be
-    asked."""
+    """The limit for every servo to be read standing still: after a motion of the main board a second passes before any
+    can be read."""
     reply_s: Annotated[float, Meta(ge=0.002, le=0.25, description="how long a servo's answer is waited for")] = 0.03
     together: Annotated[int, Meta(ge=1, le=25, description="this many servos are asked in one write")] = 5
     settle_s: Annotated[float, Meta(ge=0.0, le=5.0, description="from taking control to the first servo packet")] = 1.0
@@ -73,7 +73,7 @@ class Uxa90Settings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fi
     imu: ImuSettings = ImuSettings()
 
     def doubts(self) -> tuple[str, ...]:
-        """Return what is allowed and mostly wrong: servos that are told where to go, and never asked where they are."""
+        """Return a warning about a setting that is allowed but usually wrong: servos that are never read."""
         if self.sweep_hz:
             return ()
         text = (

@@ -1,9 +1,9 @@
-"""Transactions on the line of a UXA-90: asked, answered with exactly the bytes expected, or given up. For one thread.
+"""Transactions on the line of a UXA-90: a question, and exactly the expected bytes or none. For one thread.
 
-Answers carry neither id nor checksum, so that the number of bytes and the quiet around them is all that says whose they
-are. Hence: a question is asked only while the line is quiet; answers count only once nothing surplus followed them; one
-that is missing, or bytes that were not asked for, take the answers before with them, and the line must then be quiet
-for so long that none of the late ones can pass for another's.
+Answers carry neither id nor checksum: only their number of bytes, and the quiet around them, identify their servo.
+Hence three rules. A question is sent only while the line is quiet. Answers count only if no surplus follows them. A
+missing answer, or an unexpected byte, discards the answers before it. Then the line must be quiet until no late answer
+can pass for another servo's.
 """
 
 import time
@@ -21,27 +21,27 @@ from lbr.robots.uxa90.driver.frames import Frame, FrameParser
 from lbr.robots.uxa90.driver.packets import ANSWER_BYTES, Answer
 
 SLICE_S = 0.002
-"""A stop waits no longer than this while the line is listened to."""
+"""The longest wait for input while a stop waits."""
 LATE_S, LATEST_S = 0.12, 1.0
-"""After an answer was lost, or bytes came unasked, the line must be quiet for this long; longer where that was too
-short."""
+"""The times for which the line must be quiet after a lost answer or unexpected bytes; the second where the first proved
+too short."""
 UNEVEN = 0.3
-"""That time varies so much, so that late answers do not always come while the same other servo is asked."""
+"""The random variation of that time, so that late answers do not always fall on the question to the same servo."""
 CALMER = 0.98
 STEPPING_ASIDE_S = 0.006
-"""A waiting write lets an answer be missed that has not come by then."""
+"""The time after which a waiting write gives up a missing answer."""
 SERVO_S = 0.0025
-"""Several that are asked in one write answer one after another, each this long after the one before at most."""
+"""The longest time from one answer to the next, of servos asked in one write."""
 CHECK_S = 0.003
 CHECK_SHARE = 1.5
-"""Nothing surplus within this, or this many times what a servo takes: the answers before are believed."""
+"""The quiet that confirms answers: this time, or this multiple of a servo's own time."""
 MUTE_MOVES = 5
-"""The moves without any answer in a row, while questions get theirs: moves are not answered here."""
+"""The number of moves in a row without any answer, while questions get theirs: then moves are not answered here."""
 FRAME_S = 0.25
 
 
-class Heard(NamedTuple):
-    """An answer, whose it is, and when it came."""
+class ServoAnswer(NamedTuple):
+    """An answer, its servo, and its arrival."""
 
     servo: int
     answer: Answer
@@ -50,7 +50,7 @@ class Heard(NamedTuple):
 
 @dataclass(slots=True)
 class Counts(LineCounts):
-    """Those of every line of servos, and the answers that count, and that others took with them."""
+    """The counts of every servo line, with the confirmed answers and the discarded ones."""
 
     replies: int = 0
     doubted: int = 0
@@ -58,18 +58,18 @@ class Counts(LineCounts):
 
 @dataclass(slots=True)
 class _Owed:
-    """Bytes of answers that are not wanted, until when they may come."""
+    """Expected bytes of unwanted answers, and the time by which they arrive."""
 
     until: float
     count: int
 
 
 class Bus:
-    """The line. Lost answers are None; a line that is gone is a DeviceError.
+    """The line. A lost answer is None; a lost line is a DeviceError.
 
-    `heard` are answers that count, for others to take; `told` are frames that came; `unasked` counts how often bytes
-    came without a question. `stop_waits`, `write_waits` are asked while listening: a stop ends that at once, a write
-    after a moment.
+    `answers` are confirmed answers and `board_frames` received frames, for others to take. `unasked` counts unexpected
+    bytes. While it waits for input it calls `stop_waits` and `write_waits`: a stop ends the wait at once, a write after
+    a moment.
     """
 
     def __init__(
@@ -83,8 +83,8 @@ class Bus:
         unsummed: Collection[int] = (),
     ) -> None:
         self.counts = Counts()
-        self.heard: deque[Heard] = deque()
-        self.told: deque[Frame] = deque(maxlen=16)
+        self.answers: deque[ServoAnswer] = deque()
+        self.board_frames: deque[Frame] = deque(maxlen=16)
         self.moves_answer = True
         self.cut_short = False
         self.unasked = 0
@@ -95,9 +95,9 @@ class Bus:
         self._stop_waits = stop_waits
         self._write_waits = write_waits
         self._parser = FrameParser(unsummed)
-        self._doubtful: list[Heard] = []
+        self._doubtful: list[ServoAnswer] = []
         self._quiet_at = self._came_at = self._asked_at = clock()
-        self._framed_at = -inf  # until then a frame may come that answers one, or nothing
+        self._framed_at = -inf  # until then a frame may arrive that answers one, or nothing
         self._owed: deque[_Owed] = deque()
         self._frames: list[Frame] = []
         self._slowest_s = 0.0
@@ -106,19 +106,19 @@ class Bus:
         self._lost_at = -inf
 
     def read(self, servos: Sequence[int]) -> list[Answer] | None:
-        """Ask servos in one write; None: not all of them answered, or the line is not quiet. See `heard`."""
+        """Ask servos in one write; None if an answer is missing, or the line is not quiet. See `answers`."""
         if not self.quiet():
             self.cut_short = True
             return None
         return self._answers(b"".join(packets.read(servo) for servo in servos), servos)
 
-    def write(self, said: Sequence[tuple[int, bytes]]) -> list[Answer] | None:
-        """Write a packet for each servo at once, whatever the line does; their answers count as those to questions."""
-        data, self.written_at = b"".join(packet for _, packet in said), self._clock()
+    def write(self, moves: Sequence[tuple[int, bytes]]) -> list[Answer] | None:
+        """Write a packet for each servo at once, on any line; their answers count like those to questions."""
+        data, self.written_at = b"".join(packet for _, packet in moves), self._clock()
         if not self.quiet() or not self.moves_answer:
-            self.say(data, len(said))
+            self.say(data, len(moves))
             return None
-        answers = self._answers(data, [servo for servo, _ in said])
+        answers = self._answers(data, [servo for servo, _ in moves])
         if answers is not None:
             self._muted = 0
         elif not self.cut_short and self._came_at < self._asked_at:
@@ -127,7 +127,7 @@ class Bus:
         return answers
 
     def say(self, data: bytes, answers: int = 0) -> None:
-        """Write bytes whose answers are not wanted: they are thrown away, with all that is still in doubt."""
+        """Write bytes whose answers are unwanted: these are discarded, with all unconfirmed answers."""
         self.drain()
         self._doubt()
         self._line.send(data)
@@ -140,7 +140,7 @@ class Bus:
             self._framed_at = now + wire_s + LATE_S
 
     def ask(self, question: bytes, count: int, within_s: float) -> bytes | None:
-        """Ask for this many bytes that are no position, such as a register; tried once."""
+        """Ask for this many bytes that are not a position, such as a register; tried once."""
         if not self.settle(LATE_S * 4.0):
             return None
         wire_s = self._line.wire_s(len(question) + count)
@@ -164,12 +164,12 @@ class Bus:
         return None
 
     def quiet(self) -> bool:
-        """Return whether a question may be asked now; takes in what came, and believes the answers before if it may."""
+        """Return whether a question may be sent now; read the input first, and confirm answers if possible."""
         self.drain()
         return not self._owed and self._clock() >= max(self._quiet_at, self._framed_at)
 
     def settle(self, within_s: float) -> bool:
-        """Wait until the line is quiet, unless a stop waits, or before long a write."""
+        """Wait until the line is quiet; give up for a stop, and after a moment for a write."""
         begun = self._clock()
         until, aside = begun + within_s, begun + STEPPING_ASIDE_S
         while not self.quiet():
@@ -180,13 +180,13 @@ class Bus:
         return True
 
     def drain(self) -> None:
-        """Take in what came unasked."""
+        """Read unexpected input."""
         self._take_surplus(0.0)
         if self._owed and self._owed[0].until < self._clock():
             self.counts.timeouts += self._owed.popleft().count // ANSWER_BYTES
             self._disturbed()
         if self._doubtful and self._clock() - self._came_at >= self.check_s:
-            self.heard += self._doubtful
+            self.answers += self._doubtful
             self._late_s = max(LATE_S, self._late_s * CALMER)
             self.counts.replies += len(self._doubtful)
             self._doubtful.clear()
@@ -194,17 +194,17 @@ class Bus:
 
     @property
     def check_s(self) -> float:
-        """Return how long nothing may follow the answers before they count."""
+        """Return the quiet that confirms answers."""
         return min(self._reply_s, CHECK_S + CHECK_SHARE * self._slowest_s)
 
     @property
     def wait_s(self) -> float:
-        """Return how long until a question may be asked, if nothing comes."""
+        """Return the time until a question may be sent, without further input."""
         return max(0.0, max(self._quiet_at, self._framed_at) - self._clock()) or (SLICE_S if self._owed else 0.0)
 
     @property
-    def unheard_s(self) -> float:
-        """Return for how long nothing at all had come when a servo was asked last."""
+    def silent_s(self) -> float:
+        """Return for how long there had been no input at the last question."""
         return self._asked_at - self._came_at
 
     @property
@@ -224,11 +224,13 @@ class Bus:
             return None
         answers = [Answer(came[first], came[first + 1]) for first in range(0, len(came), ANSWER_BYTES)]
         self._slowest_s = max(self._slowest_s, (self._came_at - self._asked_at - wire_s) / len(servos))
-        self._doubtful += [Heard(servo, answer, self._came_at) for servo, answer in zip(servos, answers, strict=True)]
+        self._doubtful += [
+            ServoAnswer(servo, answer, self._came_at) for servo, answer in zip(servos, answers, strict=True)
+        ]
         return answers
 
     def _exactly(self, data: bytes, count: int, within_s: float, aside_s: float = inf) -> bytes | None:
-        """Write, and return what comes if it is this many bytes and no more."""
+        """Write, and return the input if it is exactly this many bytes."""
         self.cut_short = False
         self._asked_at = self._clock()
         self._line.send(data)
@@ -253,20 +255,20 @@ class Bus:
         return None
 
     def _wanted(self, aside: float) -> bool:
-        """Return whether the line is wanted for a stop, or, from then on, for a write."""
+        """Return whether a stop wants the line, or, after a moment, a write."""
         return bool(self._stop_waits()) or (self._clock() > aside and bool(self._write_waits()))
 
     def _take(self, wait_s: float) -> bytes:
-        """Return the bytes that came and belong to no frame."""
+        """Return the input that belongs to no frame."""
         data = self._line.read(wait_s)
         if not data:
             return b""
         self._came_at = self._clock()
-        found, plain = self._parser.feed(data)
-        if found:
+        parsed, plain = self._parser.feed(data)
+        if parsed:
             self._framed_at = min(self._framed_at, self._came_at + CHECK_S)
-        self.told += found
-        self._frames += found
+        self.board_frames += parsed
+        self._frames += parsed
         return plain
 
     def _take_surplus(self, wait_s: float) -> None:
@@ -274,15 +276,15 @@ class Bus:
         plain = self._take(wait_s)
         if not plain and before and before == self._parser.held and self._clock() - self._came_at > FRAME_S:
             plain = self._parser.flush()
-        left = len(plain)
-        while left and self._owed:
-            paid = min(left, self._owed[0].count)
-            left -= paid
+        surplus = len(plain)
+        while surplus and self._owed:
+            paid = min(surplus, self._owed[0].count)
+            surplus -= paid
             self._owed[0].count -= paid
             if not self._owed[0].count:
                 self._owed.popleft()
-        if left:
-            self.counts.babble += left
+        if surplus:
+            self.counts.babble += surplus
             self.unasked += 1
             if self._clock() - self._lost_at < LATEST_S:
                 self._late_s = min(LATEST_S, 2.0 * self._late_s)

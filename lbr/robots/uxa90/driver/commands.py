@@ -14,13 +14,13 @@ from lbr.robots.uxa90.driver.requests import configuration, inquiry
 from lbr.robots.uxa90.driver.session import Session
 
 PROVEN_S = 1.0
-"""A servo that answered so recently proves that packets are passed on."""
+"""The age of a servo's answer that proves that packets are passed on."""
 TAKEN_S = 5.0
 MOST_WAITING = 16
 
 
 class Commands:
-    """Keeps the calls that wait for the line, in the loop's thread."""
+    """The calls that wait for the line, in the loop's thread."""
 
     def __init__(self, ctx: Context[Uxa90Settings], joints: Mapping[int, str]) -> None:
         self._ctx = ctx
@@ -29,13 +29,13 @@ class Commands:
         self._taking: list[tuple[Call, float]] = []
 
     def take_control(self, call: Call, session: Session) -> None:
-        """Take PC control; answered when it is taken."""
+        """Take PC control; the reply comes after that."""
         controller = session.controller
         if busy := _busy(session):
             call.refuse(busy, "busy")
             return
         if controller.mode.pc and self._ctx.clock() - session.poller.heard_at < PROVEN_S:
-            session.thread.submit(lambda bus: bus.say(TAKE_CONTROL), STOP, "control")  # it was asked for; no pause
+            session.thread.submit(lambda bus: bus.say(TAKE_CONTROL), STOP, "control")  # on request; without a pause
         else:
             controller.take(again=True)
         self._taking.append((call, self._ctx.clock() + TAKEN_S))
@@ -62,12 +62,12 @@ class Commands:
         self._asked.append((call, session.thread.submit(job, READ)))
 
     def step(self, session: Session) -> None:
-        """Answer what can be."""
+        """Reply to the finished calls."""
         now, taking, asked = self._ctx.clock(), [], []
         for call, until in self._taking:
             if session.controller.mode.pc:
-                heard = "" if session.controller.mode.answered else "the main board did not say so itself"
-                call.reply(CommandReply(accepted=True, reason=heard))
+                note = "" if session.controller.mode.answered else "the main board did not say so itself"
+                call.reply(CommandReply(accepted=True, reason=note))
             elif now >= until:
                 call.refuse("PC control was not taken in time", "timeout")
             else:
@@ -82,7 +82,7 @@ class Commands:
         self._taking, self._asked = taking, asked
 
     def refuse(self, reason: str) -> None:
-        """The line is gone."""
+        """Refuse all calls, because the line is gone."""
         for call, _ in self._taking:
             call.refuse(reason, "unreachable")
         for call, _ in self._asked:

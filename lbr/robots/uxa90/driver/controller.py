@@ -14,7 +14,7 @@ from lbr.robots.uxa90.driver.targets import ServoTargets
 
 
 class Controller:
-    """`step` it after each look at the gate. `passes`: servos may be told and asked."""
+    """The control of the main board; call `step` after each step of the gate. `passes`: servos can get packets."""
 
     def __init__(
         self,
@@ -44,23 +44,23 @@ class Controller:
 
     @property
     def left_s(self) -> float:
-        """Return how long what it plays takes still."""
+        """Return the remaining time of its motion."""
         return max(0.0, self.plays.until - self._clock())
 
     def hear(self, frame: Frame) -> None:
-        """Take in what it said."""
+        """Process a frame."""
         if frame.type == CONTROL:
-            self.mode = pc_control.heard(self.mode, self._clock())
+            self.mode = pc_control.answered_frame(self.mode, self._clock())
 
     def take(self, *, again: bool = False) -> None:
-        """Take PC control, unless that is under way, or done and not asked for `again`."""
+        """Take PC control, unless that is in progress, or done and not requested `again`."""
         if self.mode.name == "taking" or (self.mode.pc and not again):
             return
         self.mode = pc_control.taking(self._clock(), self._settings.settle_s)
         self._thread.submit(lambda bus: bus.say(TAKE_CONTROL), STOP, "control")
 
     def step(self, gate: ServoGate, asked: StoredPlay | None) -> None:
-        """Go on, stop, or start what is asked for."""
+        """Continue, stop, or start the requested motion."""
         now = self._clock()
         before, self._gate = self._gate, gate
         if gate.stopped_since(before) or gate.estop:
@@ -74,7 +74,7 @@ class Controller:
             self._end()
 
     def interrupt(self, reason: str, goals: Mapping[int, ServoGoal]) -> None:
-        """End what it plays: PC control is taken, and the servos are held where they are as soon as that is read."""
+        """End its motion: take PC control, and hold the servos at their position as soon as that is read."""
         moved = self.plays.phase in {"playing", "ending"}
         self.plays = stored_motions.interrupted(self.plays, reason)
         if moved:
@@ -82,8 +82,8 @@ class Controller:
             self.take(again=True)
 
     def lost(self) -> None:
-        """Take note that nothing answers: the board may have left PC control by itself."""
-        self.mode = pc_control.left(self._clock())
+        """Note that nothing answers: the board may have left PC control by itself."""
+        self.mode = pc_control.normal(self._clock())
         self.take()
 
     def _start(self, now: float) -> None:
@@ -100,11 +100,11 @@ class Controller:
         self._targets.played(limp=False)
         self.plays = stored_motions.started(self.plays, now)
         if remote:
-            self.mode = pc_control.left(now)
+            self.mode = pc_control.normal(now)
         self._thread.submit(lambda bus: self._say_play(bus, play, data), WRITE, "play")
 
     def _say_play(self, bus: Bus, play: StoredPlay, data: bytes) -> None:
-        """Begin it, unless a stop came while this waited for the line; in the line's thread."""
+        """Start it, unless a stop came while this waited for the line; in the line's thread."""
         if self.plays.busy and self.plays.asked == play:
             bus.say(data)
 

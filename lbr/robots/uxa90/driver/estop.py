@@ -1,4 +1,4 @@
-"""The act of the emergency stop on the line, and its acknowledgement: after the servos were read to stand still."""
+"""The act of the emergency stop on the line, and its acknowledgement after the servos were read standing still."""
 
 from collections.abc import Callable
 from math import inf
@@ -12,19 +12,19 @@ RELEASED = "the emergency stop let it go; switch its torque off, then on"
 
 
 class EmergencyStop:
-    """`step` it in every round; nothing that it does is ended by releasing the stop."""
+    """The emergency stop; call `step` in every round. A release of the stop reverses none of its acts."""
 
     def __init__(self, ctx: Context[Uxa90Settings], named: Callable[[list[int], str], str]) -> None:
         self._ctx = ctx
         self._named = named
         self._engaged = False
         self._since = inf
-        self._told_at = -inf
+        self._acknowledged_at = -inf
         self._passed = False
         self._done = self._rested = False
 
     def step(self, session: Session, now: float) -> None:
-        """Do what the row says, until it is known to have worked; acknowledge that."""
+        """Act by the row, until the effect is known; then acknowledge it."""
         estop = self._ctx.estop
         if not estop.engaged:
             if self._engaged:
@@ -33,14 +33,14 @@ class EmergencyStop:
             return
         first = not self._engaged
         if first:
-            self._engaged, self._since, self._told_at = True, now, -inf
+            self._engaged, self._since, self._acknowledged_at = True, now, -inf
             self._done = self._rested = False
             session.targets.watch_rest()
             session.controller.take()
         passes = session.controller.passes
         newly_passes, self._passed = passes and not self._passed, passes
-        if not self._done and (first or newly_passes or now - self._told_at >= AGAIN_S):
-            self._told_at = now
+        if not self._done and (first or newly_passes or now - self._acknowledged_at >= AGAIN_S):
+            self._acknowledged_at = now
             self._act(session)
         why = self._unconfirmed(session)
         self._done = self._done or not why
@@ -54,9 +54,9 @@ class EmergencyStop:
             session.targets.release(RELEASED)
 
     def _unconfirmed(self, session: Session) -> str:
-        """Say why it is not known that the servos stood still, or nothing.
+        """Return why the servos are not known to have stood still, or an empty string.
 
-        A servo that was once read to stand still, without an order since, is moved by its weight or by hand.
+        A servo that was once read standing still, without an order since, is moved only by its weight or by hand.
         """
         if session.controller.occupied or not session.controller.passes:
             self._rested = False

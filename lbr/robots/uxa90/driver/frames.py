@@ -1,4 +1,4 @@
-"""Frames of the main board (UIC): built, and found again in whatever bytes come. No I/O.
+"""Frames of the main board (UIC): encoding, and parsing out of any bytes. No I/O.
 
 Eight bytes of preamble, type, platform, size (four bytes, big-endian), contents, and the XOR of the contents.
 """
@@ -11,12 +11,12 @@ from lbr.robots.uxa90.driver.packets import xor
 PREAMBLE = bytes.fromhex("FFFFAA55AA5537BA")
 OVERHEAD_BYTES = 15
 MOST_CONTENTS = 64
-"""The longest known has 31."""
+"""The longest accepted contents; the longest known has 31."""
 CONTROL, REMOTE, FIRMWARE, SERIAL, ZEROS, IMU, LAST_BUTTON = 0x10, 0x14, 0x12, 0x0C, 0x0B, 0x1A, 0x19
 
 
 class Frame(NamedTuple):
-    """The frames of the main board, both ways."""
+    """A frame of the main board, in either direction."""
 
     type: int
     platform: int
@@ -37,38 +37,37 @@ QUESTIONS = {
     "imu": (IMU, 6),
     "last_button": (LAST_BUTTON, 2),
 }
-"""The questions to the main board: the frame's type, and how many bytes its answer contains."""
+"""The questions to the main board: the frame's type, and the number of bytes in its answer."""
 
 
 def remote(button: int) -> bytes:
-    """Return the frame of a button of the remote control: it plays the motion of that number, and leaves PC control."""
+    """Return the frame of a remote control's button: it plays the motion of that number, and leaves PC control."""
     if not 1 <= button <= 42:
         raise ValueError(f"button {button} is outside 1..42")
     return encode(Frame(REMOTE, 0, bytes((button,))))
 
 
 def ask(what: str) -> bytes:
-    """Return the question for something of `QUESTIONS`."""
+    """Return the question for an entry of `QUESTIONS`."""
     return encode(Frame(QUESTIONS[what][0], 1, b"\x01"))
 
 
 class FrameParser:
-    """Takes frames out of a stream; bytes that belong to none come back as they came. Holds a bounded number of
-    bytes."""
+    """Takes frames out of a stream and returns all other bytes unchanged; it holds a bounded number of bytes."""
 
     def __init__(self, unsummed: Collection[int] = ()) -> None:
-        """`unsummed` are types whose sum nobody vouches for."""
+        """`unsummed` are the types without a reliable sum."""
         self._unsummed = frozenset(unsummed)
         self.corrupt = 0
         self._held = bytearray()
 
     @property
     def held(self) -> int:
-        """Return how many bytes may become a frame still."""
+        """Return the number of bytes that may still become a frame."""
         return len(self._held)
 
     def feed(self, data: bytes) -> tuple[list[Frame], bytes]:
-        """Return the frames that are complete, and the bytes that belong to none."""
+        """Return the complete frames, and the bytes that belong to none."""
         self._held += data
         held = self._held
         frames: list[Frame] = []
@@ -92,14 +91,14 @@ class FrameParser:
         return frames, bytes(plain)
 
     def flush(self) -> bytes:
-        """Return what was held: nothing more comes that would complete it."""
+        """Return the held bytes: no more input comes that would complete them."""
         left = bytes(self._held)
         self._held.clear()
         return left
 
     def _need(self) -> int:
-        """Return how many bytes the frame that begins here has, more than there are while that is open; 0: none
-        does."""
+        """Return the size of the frame that begins here, larger than the held bytes while it is unknown; 0 without a
+        frame."""
         held = self._held
         known = min(len(held), len(PREAMBLE))
         if held[:known] != PREAMBLE[:known]:

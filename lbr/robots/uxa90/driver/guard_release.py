@@ -1,8 +1,8 @@
 """The guard's program for a UXA-90: the servos hold, then their motors are shorted, then they are released.
 
-Run as `lbr.drivers.servos.guard_release` says, with the row's `settle_s` at the end. Servos hold by themselves what
-they were told last, which is never more than a step away. PC control is taken at once: a motion that the main board may
-play is to end, and what is said later is to be passed on. It asks servos nothing.
+For its arguments, with the row's `settle_s` at the end, see `lbr.drivers.servos.guard_release`. Servos hold their last
+goal by themselves, which is never more than a step away. PC control is taken at once, to end a motion of the main board
+and to have later packets passed on. It asks servos nothing.
 """
 
 import os
@@ -31,27 +31,27 @@ class BoardRelease:
         return True
 
     def keep(self) -> None:
-        """Throw away what has come in; raise OSError when the line is gone."""
+        """Discard the input; raise OSError when the line is gone."""
         if select.select([self._line], [], [], 0.0)[0] and not os.read(self._line, 4096):
             raise OSError("end of file")
 
     def prepare(self) -> float:
-        """Take PC control again: it may have been without power meanwhile."""
+        """Take PC control again: the main board may have been without power meanwhile."""
         os.write(self._line, TAKE_CONTROL)
         return self.least_hold_s
 
     def fade(self, _strength: float) -> None:
-        """Short the motors: they turn heavily then, by the weight that they carry."""
+        """Short the motors: they then turn slowly under their load."""
         self.keep()
         os.write(self._line, BREAK_ALL)
 
     def off(self) -> None:
-        """Take their torque."""
+        """Switch their torque off."""
         os.write(self._line, b"".join(passive(servo) for servo in self._servos))
 
 
 def released(line: int, servos: list[int], words: Sequence[str]) -> BoardRelease:
-    """Return what the servos are told, with this time to take control."""
+    """Return the release for these servos, with the time to take control."""
     return BoardRelease(line, servos, float(words[0]))
 
 

@@ -1,4 +1,4 @@
-"""The main board's inertial unit: three accelerations, asked for between servos. Its bytes' meaning is settings."""
+"""The main board's inertial unit: three accelerations, read between servos. Settings define the meaning of its bytes."""
 
 from math import inf
 
@@ -13,7 +13,7 @@ from lbr.robots.uxa90.driver.frames import Frame
 ANSWER_S = 0.15
 MISSES = 5
 AGAIN_S = 10.0
-"""One that has not answered so often in a row is asked as seldom as this: each question that is lost costs readings."""
+"""The period of questions after `MISSES` lost ones in a row: each lost question costs readings of servos."""
 NOT_ASKED_S = 1.0
 NOT_ASKED = "the main board is not asked how it lies: the setting `imu` of its row says so"
 SILENT = "the main board does not say how it lies"
@@ -27,18 +27,18 @@ class _Asked(Struct):
 
 
 class InertialUnit:
-    """Asks by `turn`, in the line's thread; `hear` and `missed` are the loop's."""
+    """Asks by `turn`, in the line's thread; the loop calls `hear` and `missed`."""
 
     def __init__(self, settings: ImuSettings, *, simulated: bool) -> None:
         self.asked = settings.asked == "always" or (settings.asked == "simulated" and simulated)
         self._settings = settings
         self._unit_mps2 = settings.gravity_sign * STANDARD_GRAVITY_MPS2 / settings.lsb_per_g
         self._question = _Asked()
-        self._told = 0
-        self._said_at = -inf
+        self._reported_misses = 0
+        self._published_at = -inf
 
     def turn(self, bus: Bus, now: float) -> float:
-        """Ask if it is due and disturbs nobody; return the seconds until it is due."""
+        """Send the question if it is due and disturbs nobody; return the seconds until it is due."""
         question = self._question
         if question.waiting and now - question.at > ANSWER_S:
             question.waiting, question.misses = False, question.misses + 1
@@ -51,7 +51,7 @@ class InertialUnit:
         return max(0.001, left_s)
 
     def hear(self, frame: Frame, now: float) -> ImuSample | None:
-        """Return what a frame measures, if it is an answer to this question."""
+        """Return the measurement in a frame, if it answers this question."""
         if frame.type != frames.IMU or not self.asked or len(frame.contents) != frames.QUESTIONS["imu"][1]:
             return None
         self._question.waiting, self._question.misses = False, 0
@@ -64,12 +64,11 @@ class InertialUnit:
         return ImuSample(valid=True, time_s=now, accel_mps2=accel)
 
     def missed(self, now: float) -> ImuSample | None:
-        """Return that nothing is measured, once for each time that it was asked in vain, or now and then if it is
-        not."""
+        """Return an invalid sample, once for each lost question, or now and then if there are no questions."""
         if not self.asked:
-            due = now - self._said_at >= NOT_ASKED_S
-            self._said_at = now if due else self._said_at
+            due = now - self._published_at >= NOT_ASKED_S
+            self._published_at = now if due else self._published_at
             return ImuSample(valid=False, time_s=now, reason=NOT_ASKED) if due else None
         misses = self._question.misses
-        told, self._told = self._told, misses
-        return ImuSample(valid=False, time_s=now, reason=SILENT) if misses > told else None
+        reported, self._reported_misses = self._reported_misses, misses
+        return ImuSample(valid=False, time_s=now, reason=SILENT) if misses > reported else None

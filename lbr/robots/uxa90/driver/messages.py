@@ -11,9 +11,9 @@ from lbr.messages.servos import ServoId
 MIDDLE = 127
 """The count of a SAM servo in the middle of its range."""
 COUNT_RAD = radians(269.0 / 254.0)
-"""0 to 254 are 269 degrees."""
+"""The angle of a count: 0 to 254 are 269 degrees."""
 LOWEST, HIGHEST = 1, 254
-"""Legal targets; 0 is taken by the bus, but lies outside what is known of these servos."""
+"""Legal targets; the line accepts 0, but it lies outside the known range of these servos."""
 
 ControllerMode = Literal["unknown", "normal", "taking", "pc"]
 Register = Literal[
@@ -25,7 +25,7 @@ Byte = Annotated[int, Meta(ge=0, le=255)]
 
 
 class TakeControlCommand(Struct, frozen=True, kw_only=True):
-    """Have the main board pass servo packets on (PC control); moves nothing."""
+    """Make the main board pass servo packets on (PC control); this moves nothing."""
 
 
 class InquireCommand(Struct, frozen=True, kw_only=True):
@@ -36,7 +36,7 @@ class InquireCommand(Struct, frozen=True, kw_only=True):
 
 
 class InquireReply(Struct, frozen=True, kw_only=True):
-    """The answer: numbers as they came, and for people."""
+    """The answer as numbers, and as text for people."""
 
     accepted: bool
     reason: str = ""
@@ -56,7 +56,7 @@ class ConfigureCommand(Struct, frozen=True, kw_only=True):
 class ControllerState(Struct, frozen=True, kw_only=True):
     """The main board: its mode, its versions, and the quality of the line.
 
-    `trust`: positions are believed now; else `reason`.
+    `trust`: positions are trusted now; else `reason`.
     """
 
     mode: ControllerMode

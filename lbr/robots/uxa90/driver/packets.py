@@ -28,7 +28,7 @@ class Answer(NamedTuple):
 
     @property
     def possible(self) -> bool:
-        """Return whether a servo may say so: FF is never a data byte, and nothing at all is what a dead line says."""
+        """Return whether a servo can send this: FF is never a data byte, and zeros are the input of a dead line."""
         return self.load < HEAD and self.position < HEAD and (self.load, self.position) != (0, 0)
 
 
@@ -41,7 +41,7 @@ def xor(data: bytes | bytearray) -> int:
 
 
 def move(servo: int, level: int, position: int) -> bytes:
-    """Return a position move; torque levels are 0 (strongest, fastest) to 4; a ValueError for what is not allowed."""
+    """Return a position move; torque levels are 0 (strongest, fastest) to 4; raise ValueError for an illegal value."""
     if not 0 <= level <= WEAKEST:
         raise ValueError(f"torque level {level} is outside 0..{WEAKEST}: it would be another command")
     if not LOWEST <= position <= HIGHEST:
@@ -55,7 +55,7 @@ def read(servo: int) -> bytes:
 
 
 def passive(servo: int) -> bytes:
-    """Return the packet that takes a servo's torque."""
+    """Return the packet that switches a servo's torque off."""
     return _packet(PASSIVE << 5 | _checked(servo), 0x10)
 
 
@@ -73,10 +73,10 @@ def stored(slot: int) -> bytes:
 
 @dataclass(frozen=True, slots=True)
 class Register:
-    """The reading and writing of a servo's value. `twice`: one value, sent twice.
+    """The commands to read and write a servo's value. `twice`: one value, sent twice.
 
-    `read` and `write` are command bytes, None where the command does not exist; `answers`: bytes that a write is
-    answered with.
+    `read` and `write` are command bytes, None if the command does not exist; `answers`: the bytes in the answer to a
+    write.
     """
 
     name: str
@@ -108,11 +108,11 @@ REGISTERS = {
         Register("digital_io", 0x65, 0x64, ((0, 3),), twice=True),
     )
 }
-"""The SAM's configuration, by the names of the messages; ranges as the wCK's manual gives them."""
+"""The SAM's configuration, by the names of the messages; ranges from the wCK's manual."""
 
 
 def ask(register: Register, servo: int) -> bytes:
-    """Return the question for a register; a ValueError says that it can only be written."""
+    """Return the question for a register; raise ValueError if it can only be written."""
     if register.read is None:
         raise ValueError(f"{register.name} can only be written")
     if register.name == "position14":
@@ -121,7 +121,7 @@ def ask(register: Register, servo: int) -> bytes:
 
 
 def configure(register: Register, servo: int, values: tuple[int, ...]) -> bytes:
-    """Return the packet that writes a register; a ValueError says what is allowed."""
+    """Return the packet that writes a register; raise ValueError with the allowed values."""
     if register.write is None:
         raise ValueError(f"{register.name} can only be read")
     if len(values) != len(register.limits):
@@ -143,7 +143,7 @@ def position_rad(count: int) -> float:
 
 
 def position_count(angle_rad: float) -> int:
-    """Return the legal count nearest to an angle; what is not a number is a ValueError."""
+    """Return the legal count nearest to an angle; raise ValueError for an angle that is not finite."""
     if not isfinite(angle_rad):
         raise ValueError(f"an angle of {angle_rad} rad is not a position")
     return legal(MIDDLE + round(max(-10.0, min(10.0, angle_rad)) / COUNT_RAD))
@@ -155,14 +155,14 @@ def legal(count: int) -> int:
 
 
 def torque_level(fraction: float) -> int:
-    """Return the level of a torque above 0; what is not a number is the weakest."""
+    """Return the level of a torque above 0; NaN gives the weakest."""
     if not fraction > 0.0:
         return WEAKEST
     return max(0, min(WEAKEST, round((1.0 - min(1.0, fraction)) * 5.0)))
 
 
 def level_torque(level: int) -> float:
-    """Return the fraction that stands for a level."""
+    """Return the fraction of torque for a level."""
     return round(1.0 - level / 5.0, 1)
 
 

@@ -1,4 +1,4 @@
-"""In which mode the main board is taken to be: a pure function of what it was told, what it said, and time.
+"""The assumed mode of the main board: a pure function of its orders, its answers, and time.
 
 unknown ─take─► taking ─answer, or settled─► pc ─a stored motion, or no answer ─► normal ─take─► taking …
 """
@@ -8,13 +8,13 @@ from math import inf
 
 from lbr.robots.uxa90.driver.messages import ControllerMode
 
-HEARD_S = 0.05
-"""From the main board's answer to the first packet that it is relied on to pass on."""
+ANSWERED_S = 0.05
+"""The time from the main board's answer to the first packet that it can be relied on to pass on."""
 
 
 @dataclass(frozen=True, slots=True)
 class PcControl:
-    """`since` it is so; `ready_at` is when taking control is over. `answered`: it has said so itself."""
+    """The mode, and `since` when; `ready_at` is the end of taking control. `answered`: the board has confirmed it."""
 
     name: ControllerMode = "unknown"
     since: float = -inf
@@ -28,24 +28,24 @@ class PcControl:
 
 
 def taking(now: float, settle_s: float) -> PcControl:
-    """The frame that takes control was written."""
+    """Return the mode after the frame that takes control was written."""
     return PcControl("taking", now, now + settle_s)
 
 
-def heard(mode: PcControl, now: float) -> PcControl:
-    """The main board answered that frame."""
+def answered_frame(mode: PcControl, now: float) -> PcControl:
+    """Return the mode after the main board answered that frame."""
     if mode.name != "taking":
         return mode
-    return replace(mode, ready_at=min(mode.ready_at, now + HEARD_S), answered=True)
+    return replace(mode, ready_at=min(mode.ready_at, now + ANSWERED_S), answered=True)
 
 
-def left(now: float) -> PcControl:
-    """It was told to play as by its remote control, or is found to pass nothing on."""
+def normal(now: float) -> PcControl:
+    """Return the mode after an order of the remote control, or when the board is seen to pass nothing on."""
     return PcControl("normal", now)
 
 
 def tick(mode: PcControl, now: float) -> PcControl:
-    """Let time pass."""
+    """Return the mode at a later time."""
     if mode.name == "taking" and now >= mode.ready_at:
         return PcControl("pc", now, answered=mode.answered)
     return mode

@@ -1,8 +1,8 @@
-"""The belief in a position: a pure function of those before. It carries neither id nor checksum.
+"""The trust in a position: a pure function of those before. A position carries neither id nor checksum.
 
-Believed is what the servo could have reached since it was believed last, and if that is elsewhere, not at the first
-word. Several that cannot be, and nothing of it is believed any more; several in a row that fit one another, and it is
-again.
+A position is trusted if the servo could have reached it since the last trusted one; a large step needs confirmation.
+After several impossible positions no position of the servo is trusted. Several in a row that fit one another restore
+trust.
 """
 
 from dataclasses import dataclass, replace
@@ -14,23 +14,24 @@ from lbr.robots.uxa90.driver.packets import Answer
 Policy = Literal["never", "plausible", "always"]
 TOLERANCE = 6
 RESTING_CPS, MOVING_CPS = 40.0, 420.0
-"""Counts a second: a servo that is to stay somewhere, and one that moves or may be moved by hand."""
+"""The speed limits in counts a second: of a servo that stays, and of one that moves or may be moved by hand."""
 SMALL = 2
-"""A step no longer than this is believed at once."""
-TOLD_RESTING, TOLD_MOVING = 3, 2
-"""The reports in a row that a servo must give of another place, on the same side, unless it moves that way already."""
+"""The largest step that is trusted at once."""
+CONFIRM_RESTING, CONFIRM_MOVING = 3, 2
+"""The reports in a row of another position, on the same side, that a servo must give unless it moves that way already.
+"""
 FITTING_MOVING, FITTING_CPS, FITTING_S = 4, 150.0, 0.1
 LOSES, GAINS = 3, 5
 OLD_S = 1.0
-"""Nothing follows from a position so old."""
+"""The age from which a position allows no comparison."""
 
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """One servo: what is believed (`position`, `load`, `at`), and what came last (`raw`, `raw_at`).
+    """One servo: the trusted values (`position`, `load`, `at`), and the last ones (`raw`, `raw_at`).
 
-    `streak` counts answers in a row that fit one another, `doubts` those in a row that could not be, `apart` those in a
-    row that were on one side of what is believed (negative: below); `trend` is the side that it moved to last.
+    `streak` counts successive answers that fit one another, `doubts` successive impossible ones. `apart` counts
+    successive ones on one side of the trusted position (negative: below); `trend` is the side of its last move.
     """
 
     position: int | None = None
@@ -48,7 +49,7 @@ class Seen:
 
 
 def judged(seen: Seen, answer: Answer, at: float, policy: Policy, *, moving: bool) -> Seen:
-    """Take an answer in. `moving`: the servo was told to go elsewhere, or has no torque."""
+    """Add an answer. `moving`: the servo has a new goal, or no torque."""
     if not answer.possible:
         return _doubted(seen, policy)
     streak = seen.streak + 1 if _fits(seen, answer, at, moving=moving) else 1
@@ -61,17 +62,17 @@ def judged(seen: Seen, answer: Answer, at: float, policy: Policy, *, moving: boo
 
 
 def silent(seen: Seen, reason: str) -> Seen:
-    """Take in that a servo does not answer: what it says next has to prove itself again."""
+    """Note that a servo does not answer: its next answers must earn trust again."""
     return replace(seen, trusted=False, streak=0, doubts=0, apart=0, trend=0, reason=reason)
 
 
 def doubted(seen: Seen) -> Seen:
-    """Take in that what came before proves nothing."""
+    """Note that earlier answers prove nothing."""
     return replace(seen, streak=0)
 
 
 def _compared(seen: Seen, answer: Answer, at: float, step: int, *, moving: bool) -> Seen:
-    """Judge a step from what is believed."""
+    """Judge a step from the trusted position."""
     if abs(step) <= SMALL:
         return _believed(replace(seen, apart=0, trend=0), answer, at)
     rate = MOVING_CPS if moving else RESTING_CPS
@@ -79,8 +80,8 @@ def _compared(seen: Seen, answer: Answer, at: float, step: int, *, moving: bool)
         return _doubted(replace(seen, apart=0), "plausible")
     side = 1 if step > 0 else -1
     apart = seen.apart + side if seen.apart * side > 0 else side
-    told = TOLD_MOVING if moving else TOLD_RESTING
-    if seen.trend == side or abs(apart) >= told:
+    needed = CONFIRM_MOVING if moving else CONFIRM_RESTING
+    if seen.trend == side or abs(apart) >= needed:
         return _believed(replace(seen, apart=0, trend=side), answer, at)
     return replace(seen, apart=apart)
 

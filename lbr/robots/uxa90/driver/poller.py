@@ -1,4 +1,4 @@
-"""Reading servos all the time, a few in one write, and keeping what is believed of each. Lives in the line's thread."""
+"""Continuous reading of servos, a few in one write, and the trusted readings of each. Lives in the line's thread."""
 
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -14,7 +14,7 @@ MISSES = 2
 AGAIN_FIRST_S, AGAIN_MOST_S = 0.5, 8.0
 IDLE_S = 0.02
 FIRST_SWEEPS = 8
-"""The number that follow one another at once, so that positions are believed soon."""
+"""The number of sweeps in immediate succession at the start, so that positions are trusted soon."""
 BETTER_ALONE = 3
 BUSY_S, WARY_S = 0.1, 5.0
 """The time after a write, and after lost answers, in which an answer is confirmed before the next question."""
@@ -30,9 +30,9 @@ class _Servo:
 
 
 class Poller:
-    """One transaction at a `turn`. `seen` is the newest of each servo, `sweep` counts complete looks at all of them.
+    """Does one transaction at each `turn`. `seen` is the newest of each servo, `sweep` counts complete rounds.
 
-    `reading`: whether servos may be asked now. `moving` says whether a servo may be under way.
+    `reading`: whether servos may be asked now. `moving` returns whether a servo may be moving.
     """
 
     def __init__(
@@ -79,13 +79,13 @@ class Poller:
         return all(servo.misses >= MISSES for servo in self._servos.values())
 
     @property
-    def told_apart(self) -> bool:
-        """Return whether every servo that answers is believed, or never is, or is known not to answer."""
-        heard = self._policy == "never"
-        return all(seen.trusted or seen.reason or (heard and seen.raw is not None) for seen in self.seen.values())
+    def judged_all(self) -> bool:
+        """Return whether every servo is known: its position trusted (or read, without trust), or its silence certain."""
+        untrusted = self._policy == "never"
+        return all(seen.trusted or seen.reason or (untrusted and seen.raw is not None) for seen in self.seen.values())
 
     def afresh(self) -> None:
-        """Start over, quickly: the line was not read for a while, and servos may have gone anywhere."""
+        """Start anew, with fast sweeps: after a pause in reading, servos may be anywhere."""
         self._groups.clear()
         self._under_way, self._quick, self._due = False, FIRST_SWEEPS, -inf
         for number, servo in self._servos.items():
@@ -93,7 +93,7 @@ class Poller:
             self.seen[number] = silent(self.seen[number], "")
 
     def turn(self, bus: Bus) -> float:
-        """Ask the next; return the seconds until there is more to do."""
+        """Ask the next group; return the seconds until there is more to do."""
         bus.drain()
         self.take(bus)
         if not (self.reading and self._period_s):
@@ -112,13 +112,13 @@ class Poller:
         return self._next()
 
     def take(self, bus: Bus) -> None:
-        """Judge the answers that count now; after stray bytes, belief is not gained by answers before them."""
+        """Judge the confirmed answers; after stray bytes, trust is not gained by answers before them."""
         if bus.unasked != self._unasked:
             self._unasked = bus.unasked
             for servo, seen in self.seen.items():
                 self.seen[servo] = seen if seen.trusted else doubted(seen)
-        while bus.heard:
-            servo, answer, at = bus.heard.popleft()
+        while bus.answers:
+            servo, answer, at = bus.answers.popleft()
             if servo in self.seen:
                 self.seen[servo] = judged(self.seen[servo], answer, at, self._policy, moving=self._moving(servo))
                 self._servos[servo].misses, self._servos[servo].pause_s = 0, AGAIN_FIRST_S
@@ -167,7 +167,7 @@ class Poller:
             self._missed(group[0])
 
     def _answered(self, group: list[int]) -> None:
-        """Servos that answer one by one, but not together, are asked one by one from now on."""
+        """Ask servos one by one from now on if they answer only that way."""
         if len(group) > 1:
             self._apart_well = 0
         elif group[0] in self._apart:

@@ -1,4 +1,4 @@
-"""The questions to the main board and single servos, and writes into them: one job of the line's thread each."""
+"""Questions to the main board and single servos, and writes to their registers: one job of the line's thread each."""
 
 from collections.abc import Callable, Collection
 
@@ -9,7 +9,7 @@ from lbr.robots.uxa90.driver.packets import ANSWER_BYTES, REGISTERS, Register
 from lbr.robots.uxa90.driver.session import words
 
 ASKED_S, WRITTEN_S = 0.1, 0.25
-"""The wait for a register's answer; to keep one without power takes the servo longer."""
+"""The waits for a register's answer; storing a value without power takes the servo longer."""
 TRIES = 3
 SETTLE_S = 0.5
 NOT_TOLD = "was not told: the line was wanted for a stop or a move, or is not quiet; say it again"
@@ -17,7 +17,7 @@ Job = Callable[[Bus], InquireReply]
 
 
 def inquiry(message: InquireCommand, servos: Collection[int]) -> Job:
-    """Return the job that asks; a ValueError says what is wrong with the question."""
+    """Return the job that asks; raise ValueError for a wrong question."""
     if message.what in frames.QUESTIONS:
         return _about_board(message.what)
     register = REGISTERS[message.what]
@@ -36,7 +36,7 @@ def inquiry(message: InquireCommand, servos: Collection[int]) -> Job:
 
 
 def configuration(message: ConfigureCommand, servos: Collection[int]) -> Job:
-    """Return the job that writes a register and reads it back; a ValueError says what is not allowed."""
+    """Return the job that writes a register and reads it back; raise ValueError for a value that is not allowed."""
     if message.what not in REGISTERS:
         raise ValueError(f"{message.what} can only be read")
     register = REGISTERS[message.what]
@@ -76,21 +76,21 @@ def _written(bus: Bus, register: Register, servo: int, data: bytes, expected: tu
     return InquireReply(accepted=True, values=values, text=f"servo {servo} now: {_text(register, values)}")
 
 
-def _about_board(what: str) -> Job:
+def _about_board(question: str) -> Job:
     def job(bus: Bus) -> InquireReply:
         for _ in range(TRIES):
-            answer = bus.inquire(frames.ask(what), *frames.QUESTIONS[what])
+            answer = bus.inquire(frames.ask(question), *frames.QUESTIONS[question])
             if answer is not None:
-                return InquireReply(accepted=True, values=tuple(answer.contents), text=words(what, answer.contents))
+                return InquireReply(accepted=True, values=tuple(answer.contents), text=words(question, answer.contents))
         return InquireReply(
-            accepted=False, code="timeout", reason=f"the main board does not say its {what.replace('_', ' ')}"
+            accepted=False, code="timeout", reason=f"the main board does not say its {question.replace('_', ' ')}"
         )
 
     return job
 
 
 def _asked(bus: Bus, register: Register, servo: int) -> tuple[int, ...] | None:
-    """Ask until two answers agree: nothing else says that they are its own."""
+    """Ask until two answers agree: nothing else proves that they are the servo's own."""
     before: tuple[int, ...] | None = None
     for _ in range(TRIES):
         came = bus.ask(packets.ask(register, servo), ANSWER_BYTES, ASKED_S)

@@ -1,4 +1,4 @@
-"""The objects of an open line of a UXA-90: the bus, its owner, the sweep, the orders, the guard."""
+"""The objects of an open line of a UXA-90: the bus, its thread, the poller, the orders, the guard."""
 
 from collections.abc import Mapping
 from concurrent.futures import Future
@@ -27,9 +27,9 @@ RELEASE = "lbr.robots.uxa90.driver.guard_release"
 
 
 class Session(session.Session[Uxa90Settings, Bus]):
-    """All that lives as long as the line is open. `identity` is what the main board said of itself, once it was asked.
+    """The objects that live as long as the line is open. `identity` are the main board's answers about itself.
 
-    `answered`: whether it said anything at all.
+    `answered`: whether it sent anything at all.
     """
 
     poller: Poller
@@ -74,16 +74,16 @@ class Session(session.Session[Uxa90Settings, Bus]):
         self.controller = Controller(self.thread, self.targets, settings, ctx.clock, known)
         self.answered = False
         self.identity: Mapping[str, str] = {}
-        if known.busy:  # the main board does not notice that its cable was out: it may play still
+        if known.busy:  # the main board does not notice a pulled cable: it may still play
             self.thread.submit(lambda bus: bus.say(TAKE_CONTROL), STOP)
         self._identified: Future[dict[str, str]] = self.thread.submit(_identify, READ)
         self.thread.start()
 
     def step(self) -> None:
-        """Take in what the main board said; take control once it was asked who it is."""
+        """Process the main board's frames; take control after the question about its identity."""
         now = self._ctx.clock()
-        while self.bus.told:
-            frame = self.bus.told.popleft()
+        while self.bus.board_frames:
+            frame = self.bus.board_frames.popleft()
             self.answered = True
             self.controller.hear(frame)
             self._publish(self.unit.hear(frame, now))
@@ -94,10 +94,10 @@ class Session(session.Session[Uxa90Settings, Bus]):
                 self.answered = self.answered or bool(self.identity)
             self.controller.take()
 
-    def tell(self, *, urgent: bool) -> None:
-        """Have the servos told what is due, and read while nothing forbids it."""
+    def send_orders(self, *, urgent: bool) -> None:
+        """Send due orders to the servos, and read them while that is possible."""
         passes = self.controller.passes
-        if self.targets.due or not passes or not self.poller.told_apart:
+        if self.targets.due or not passes or not self.poller.judged_all:
             self.rest.stir()
         if passes and not self.poller.reading:
             self.thread.submit(lambda _bus: self.poller.afresh(), WRITE)
@@ -108,7 +108,7 @@ class Session(session.Session[Uxa90Settings, Bus]):
             self.thread.submit(self.targets.flush, WRITE, "flush")
 
     def brake(self) -> None:
-        """Short all motors, now and, if the main board has to be asked to pass that on first, once it does."""
+        """Short all motors, now and again once the main board passes packets on, if that must be requested first."""
         if not self.controller.mode.pc:
             self.thread.submit(lambda bus: bus.say(TAKE_CONTROL), STOP)
         self.targets.braked()
@@ -116,7 +116,7 @@ class Session(session.Session[Uxa90Settings, Bus]):
 
     @property
     def answers(self) -> bool:
-        """Return whether the main board or a servo answers; where the row reads no servos nothing is waited for."""
+        """Return whether the main board or a servo answers; always True if the row reads no servos."""
         return self.answered or self.hears or not self._ctx.settings.sweep_hz
 
     @property
@@ -126,12 +126,12 @@ class Session(session.Session[Uxa90Settings, Bus]):
 
     @property
     def mute(self) -> bool:
-        """Return whether every servo was asked in vain, or some were for so long that all of them may be."""
-        long = bool(self._ctx.settings.sweep_hz) and self.bus.unheard_s >= SILENT_S
+        """Return whether every servo was asked in vain, or the line has been silent for too long."""
+        long = bool(self._ctx.settings.sweep_hz) and self.bus.silent_s >= SILENT_S
         return long or self.poller.all_silent
 
     def part(self, *, release: bool) -> None:
-        """Release the servos; to hold they need no order."""
+        """Release the servos; to hold, they need no order."""
         turning = self.turning
         self.controller.interrupt("the driver ended", {})
         self.poller.reading = False
@@ -141,7 +141,7 @@ class Session(session.Session[Uxa90Settings, Bus]):
             self.thread.submit(self.targets.flush_now, STOP)
 
     def start_guard(self) -> Guard:
-        """Start the guard, told how long the main board takes to give up control."""
+        """Start the guard, with the time that the main board takes to give up control."""
         settle_s = self._ctx.settings.settle_s
         return ServosGuard(
             RELEASE,
@@ -154,7 +154,7 @@ class Session(session.Session[Uxa90Settings, Bus]):
         )
 
     def turn(self, bus: Bus) -> float:
-        """Read on, unless the main board was given something to do just now."""
+        """Read on, unless the main board has just got an order."""
         if not self.targets.open:
             self.poller.reading = False
         unit_s = inf
@@ -174,19 +174,19 @@ class Session(session.Session[Uxa90Settings, Bus]):
 
 
 def _identify(bus: Bus) -> dict[str, str]:
-    """Ask the main board who it is; what it does not say stays unknown."""
-    said = {}
-    for what in IDENTITY:
-        answer = bus.inquire(frames.ask(what), *frames.QUESTIONS[what])
+    """Ask the main board for its identity; a missing answer stays unknown."""
+    answers = {}
+    for question in IDENTITY:
+        answer = bus.inquire(frames.ask(question), *frames.QUESTIONS[question])
         if answer is not None:
-            said[what] = words(what, answer.contents)
-    return said
+            answers[question] = words(question, answer.contents)
+    return answers
 
 
-def words(what: str, contents: bytes) -> str:
-    """Return for people what the main board said."""
-    if what == "serial":
+def words(question: str, contents: bytes) -> str:
+    """Return the main board's answer as text for people."""
+    if question == "serial":
         return contents.decode("ascii", "replace")
-    if what == "firmware":
+    if question == "firmware":
         return contents.hex(" ").upper()
     return " ".join(map(str, contents))

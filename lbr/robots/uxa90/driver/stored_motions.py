@@ -1,4 +1,4 @@
-"""The main board's own motions: each is played once when asked for, and never again. Pure, without time of its own."""
+"""The main board's own motions: each is played once on request, and never again. Pure, without time of its own."""
 
 from collections.abc import Collection
 from dataclasses import dataclass, replace
@@ -31,11 +31,11 @@ class StoredMotions:
 
     @property
     def wanted(self) -> bool:
-        """Return whether a motion is to be started."""
+        """Return whether a motion is due to start."""
         return self.phase == "waiting"
 
     def state(self) -> StoredState | None:
-        """Return what others see of it."""
+        """Return the public state, or None."""
         if self.asked is None or self.phase == "none":
             return None
         phase = "playing" if self.phase == "ending" else self.phase
@@ -43,12 +43,12 @@ class StoredMotions:
 
 
 def reopened(state: StoredMotions, reason: str) -> StoredMotions:
-    """The line was opened: what was asked for before is not played."""
+    """Return the state after the line was opened: earlier requests are not played."""
     return replace(interrupted(state, reason), begun=False)
 
 
 def seen(state: StoredMotions, play: StoredPlay | None, slots: Collection[int], *, follows: bool) -> StoredMotions:
-    """Take in what the newest setpoint says; `follows`: it is believed."""
+    """Return the state after a setpoint; `follows`: the gate has admitted it."""
     if play is None or play.count <= state.spent:
         return state if state.begun else replace(state, begun=True)
     if not state.begun:
@@ -64,30 +64,30 @@ def seen(state: StoredMotions, play: StoredPlay | None, slots: Collection[int], 
 
 
 def started(state: StoredMotions, now: float) -> StoredMotions:
-    """Its packet is on the wire."""
+    """Return the state after its packet was written."""
     assert state.asked is not None
     return replace(state, phase="playing", until=now + state.asked.duration_s)
 
 
 def ended(state: StoredMotions, now: float) -> StoredMotions:
-    """Let time pass."""
+    """Return the state at a later time."""
     return replace(state, phase="ending") if state.phase == "playing" and now >= state.until else state
 
 
 def regained(state: StoredMotions) -> StoredMotions:
-    """Servos can be told again."""
+    """Return the state when servos can get orders again."""
     return replace(state, phase="over") if state.phase == "ending" else state
 
 
 def interrupted(state: StoredMotions, reason: str) -> StoredMotions:
-    """End what waits or plays."""
+    """Return the state after an end of the waiting or playing motion."""
     if state.phase not in {"waiting", "playing", "ending"}:
         return state
     return replace(state, phase="failed", reason=reason)
 
 
 def _refused(state: StoredMotions, play: StoredPlay, reason: str) -> StoredMotions:
-    """One that is refused beside another that plays is not told of: that one is the state."""
+    """Refuse a motion; beside one that plays, the refusal is not reported."""
     if state.phase in {"playing", "ending"}:
         return replace(state, spent=play.count)
     return replace(state, asked=play, phase="failed", reason=reason, spent=play.count)

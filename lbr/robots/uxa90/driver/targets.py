@@ -1,6 +1,6 @@
-"""The orders for every servo, as packets; all that changed leave in one write. Lives in the loop's thread.
+"""The orders for every servo, as packets; all changed ones leave in one write. Lives in the loop's thread.
 
-Only `flush` and `brake` run in the line's thread: they write what is wanted at that moment.
+Only `flush` and `brake` run in the line's thread: they write the orders of that moment.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -16,11 +16,9 @@ from lbr.robots.uxa90.driver.packets import PACKET_BYTES, WEAKEST
 from lbr.robots.uxa90.driver.plausibility import Seen
 
 PLACE_S = 0.6
-"""A position older than this is not where the servo is: twelve sweeps of the usual 20 a second. Chosen, not measured.
-"""
+"""The age limit of a position: twelve sweeps at the usual 20 a second. Chosen, not measured."""
 WEAK_S = 2.0
-"""The time that a servo goes at the weakest level if its place was unknown, or it was far from its goal. Chosen, not
-measured."""
+"""The time at the weakest level for a servo whose position was unknown, or far from its goal. Chosen, not measured."""
 SAG = 8
 """The distance from its goal at which a servo may rest under its load, in counts. Chosen, not measured on a real robot.
 """
@@ -28,36 +26,36 @@ REST_S = 0.3
 AGAIN_S = 1.0
 MOVING_S = 1.0
 OFF_AGAIN_S, OFF_TIMES = 0.1, 3
-"""A released servo reports nothing of it, so it is told several times."""
+"""The repetitions of a release, because a released servo does not report it."""
 STILL, STILL_S = 2, 0.04
-"""Counts within which a servo stands still, for this long."""
+"""The range in counts, and the time, within which a servo stands still."""
 FEW = 8
-"""After a write to more servos than this the line needs a moment for itself."""
+"""The number of servos in a write after which the line needs a pause."""
 UNPLACED = "cannot be held where it is: its place is unknown; give it a position"
 PLAYED_S = 1.0
-"""The time after a motion of the main board in which servos get no goal before their places are read."""
+"""The time after a motion of the main board in which servos get no goal before their positions are read."""
 NEAR = 12
-"""Counts: a servo so near its goal may go there at the torque that was asked for."""
+"""The distance in counts at which a servo may go to its goal at the requested torque."""
 STRIDE, FASTEST_CPS = 24, 400.0
-"""Counts, and counts a second: so far it is from goal to goal of a servo that is led step by step."""
+"""The largest step from goal to goal of a servo that is led step by step: counts, plus counts a second."""
 LIMP = "was released by the main board's motion; switch its torque off, then on"
 BRAKED = "was braked by the emergency stop; switch its torque off, then on"
 
 
 @dataclass(slots=True)
 class TargetState(Target):
-    """One servo. `count`: its goal, None where unknown.
+    """One servo. `count`: its goal, None if unknown.
 
-    `want` is the packet that is to be said, `said` the one that was, `told_at` when. `carried`: it may have had torque
-    before the line was opened; it is held where it is until a new motion begins. `overtaken`: a goal from before a
-    stop, which is not gone to. `led`: where a motion of the main board is said to have led it.
+    `want` is the due packet, `sent` the last written one, `sent_at` its time. `carried`: it may have had torque before
+    the line was opened; it is held at its position until a new motion begins. `overtaken`: a goal from before a stop,
+    which is ignored. `led`: the position to which a motion of the main board led it.
     """
 
     count: int | None = None
     level: int = 0
     want: bytes | None = None
-    said: bytes | None = None
-    told_at: float = -inf
+    sent: bytes | None = None
+    sent_at: float = -inf
     times: int = 0
     weak_until: float = -inf
     rest_at: float = inf
@@ -68,17 +66,16 @@ class TargetState(Target):
 
     @property
     def energised(self) -> bool:
-        """Return whether it has torque by this driver, or may have had it by the one before."""
+        """Return whether it has torque by this driver, or may have it from the one before."""
         return self.on or self.carried
 
     def unblock(self) -> None:
-        """Let it get torque again, as any other."""
+        """Allow torque again, as for any other servo."""
         self.blocked, self.carried = "", False
 
-    def leads(self, goal: ServoGoal, count: int, here: int | None, round_s: float) -> bool:
-        """Return whether a goal is where the servo is, or leads on from that `round_s` ago; it would jump there
-        otherwise."""
-        if here is not None and abs(here - count) <= NEAR:
+    def leads(self, goal: ServoGoal, count: int, present: int | None, round_s: float) -> bool:
+        """Return whether a goal is at the servo, or near its goal of `round_s` ago; otherwise the servo would jump."""
+        if present is not None and abs(present - count) <= NEAR:
             return True
         if self.on and self.count is not None:
             return abs(self.count - count) <= STRIDE + FASTEST_CPS * round_s
@@ -99,7 +96,7 @@ class ServoTargets(Torque[TargetState]):
     ) -> None:
         super().__init__(servos, lambda servo: TargetState(servo, blocked=blocked), clock)
         self.open = False
-        """True if servos can take orders now."""
+        """True if servos can get orders now."""
         self._seen = seen
         self._wire_s = wire_s
         self._offsets = offsets or {}
@@ -109,16 +106,16 @@ class ServoTargets(Torque[TargetState]):
 
     @property
     def unknown(self) -> bool:
-        """Return whether it is unknown of any servo if it has torque."""
+        """Return whether the torque of any servo is unknown."""
         return any(not target.known for target in self._all())
 
     @property
     def due(self) -> bool:
-        """Return whether there is something to write."""
-        return self.open and any(target.want != target.said for target in self._all())
+        """Return whether there is a packet to write."""
+        return self.open and any(target.want != target.sent for target in self._all())
 
     def apply(self, gate: ServoGate, strength: float) -> None:
-        """Do what follows from the gate's state and from where the servos are."""
+        """Update the orders by the gate's state and the servos' positions."""
         now = self._clock()
         if self.advance(gate, strength):
             self.freeze()
@@ -132,51 +129,50 @@ class ServoTargets(Torque[TargetState]):
         self._applied_at = now
 
     def freeze(self) -> None:
-        """Have servos hold: their last goal, a step away from where they are, and when they rest, what they rest at."""
+        """Make servos hold: at their last goal, a step away, and once they rest, at their position then."""
         now = self._clock()
         for target in self._all():
             if not target.on:
                 continue
-            here = self.place(target.id)
+            present = self.place(target.id)
             if target.count is None:
                 target.adrift = True
-            elif now < target.weak_until and here is None:
+            elif now < target.weak_until and present is None:
                 self.off([target], "was stopped on its way from an unknown place; switch its torque off, then on")
             else:
-                if here is not None and now < target.weak_until:
-                    target.count = here
+                if present is not None and now < target.weak_until:
+                    target.count = present
                 target.rest_at = now + REST_S
-                target.said = None
+                target.sent = None
                 self._aim(target, target.level)
 
     def release(self, why: str) -> None:
-        """Take the torque off every servo."""
+        """Switch the torque of every servo off."""
         self.off(list(self._all()), why)
 
     def off(self, targets: Sequence[TargetState], why: str) -> None:
-        """Take the torque off these servos with the next write."""
+        """Switch the torque of these servos off with the next write."""
         for target in targets:
             target.known, target.on, target.carried, target.adrift = True, False, False, False
             target.count, target.rest_at = None, inf
             target.blocked = target.blocked or why
-            target.want, target.said, target.times = packets.passive(target.id), None, 0
+            target.want, target.sent, target.times = packets.passive(target.id), None, 0
 
     def played(self, *, limp: bool) -> None:
-        """The main board has moved all servos: they have torque, and their goals are not known here; or have none."""
+        """Note a motion of the main board: servos have torque, with unknown goals, or none if it was `limp`."""
         self._played_at = self._clock()
         for target in self._all():
             target.known, target.on, target.carried, target.adrift = True, not limp, False, False
-            target.count = target.want = target.said = None
+            target.count = target.want = target.sent = None
             target.level, target.rest_at, target.weak_until, target.led = 0, inf, -inf, None
             target.blocked = LIMP if limp else ""
 
     def loose(self, goals: Mapping[int, ServoGoal]) -> None:
-        """Hold every servo that has torque where it is, as soon as that is read again; `goals` of now mean nothing
-        more."""
+        """Hold every servo with torque at its position, as soon as that is read again; the present `goals` are void."""
         self._played_at = self._clock()
         for target in self._all():
             if target.on:
-                target.count, target.want, target.said = None, None, None
+                target.count, target.want, target.sent = None, None, None
                 target.overtaken = goals[target.id].position_rad if target.id in goals else None
                 target.adrift = True
 
@@ -185,25 +181,25 @@ class ServoTargets(Torque[TargetState]):
         bus.say(packets.BREAK_ALL, 1)
 
     def braked(self) -> None:
-        """Take in that they are to be."""
+        """Note that all servos are braked."""
         for target in self._all():
             target.known, target.on, target.carried, target.adrift = True, False, False, False
-            target.count = target.want = target.said = None
+            target.count = target.want = target.sent = None
             target.blocked = BRAKED
 
     def flush(self, bus: Bus) -> None:
-        """Write what is due, if there is room; in the line's thread."""
+        """Write the due packets, if there is room; in the line's thread."""
         if self._clock() >= self._free_at:
             self.flush_now(bus)
 
     def flush_now(self, bus: Bus) -> None:
-        """Write what is wanted and was not said yet, all at once; in the line's thread."""
+        """Write all due packets at once; in the line's thread."""
         if not self.open:
             return
         now, packets_due = self._clock(), []
         for target in self._all():
-            if target.want is not None and target.want != target.said:
-                target.said, target.told_at, target.times = target.want, now, target.times + 1
+            if target.want is not None and target.want != target.sent:
+                target.sent, target.sent_at, target.times = target.want, now, target.times + 1
                 packets_due.append((target.id, target.want))
         if not packets_due:
             return
@@ -212,23 +208,23 @@ class ServoTargets(Torque[TargetState]):
             self._free_at = self._clock() + (self._wire_s(PACKET_BYTES * count) if answers is None else bus.check_s)
 
     def place(self, servo: int) -> int | None:
-        """Return where a servo is believed to be."""
+        """Return the trusted position of a servo, None without one."""
         seen = self._seen[servo]
         fresh = seen.at > self._played_at and self._clock() - seen.at < PLACE_S
         return seen.position if seen.trusted and fresh else None
 
     def moving(self, servo: int) -> bool:
-        """Return whether a servo may be under way, for the judge of its position; from any thread."""
+        """Return whether a servo may be moving, for the judge of its position; from any thread."""
         target = self.servos[servo]
-        return not target.on or target.count is None or self._clock() - target.told_at < MOVING_S
+        return not target.on or target.count is None or self._clock() - target.sent_at < MOVING_S
 
     def watch_rest(self) -> None:
-        """Look from now on whether servos stand still."""
+        """Watch from now on whether servos stand still."""
         for target in self._all():
             target.still = None
 
     def unrested(self, since: float) -> list[int]:
-        """Return the servos that were not read to stand still since then; those known to be limp before do not
+        """Return the servos without a reading of standing still since then; servos known to be limp before do not
         count."""
         return [target.id for target in self._all() if not self._rests(target, since)]
 
@@ -256,17 +252,17 @@ class ServoTargets(Torque[TargetState]):
         target.want = packets.move(target.id, WEAKEST if weak else level, target.count)
 
     def _settle(self, target: TargetState, now: float) -> None:
-        """Hold a servo where it is, if its place was unknown, or it rests away from its goal after a stop."""
-        here = self.place(target.id)
-        if here is None or not target.on:
+        """Hold a servo at its position, if that was unknown, or it rests away from its goal after a stop."""
+        present = self.place(target.id)
+        if present is None or not target.on:
             return
         if target.adrift:
-            target.adrift, target.count = False, packets.legal(here)
+            target.adrift, target.count = False, packets.legal(present)
             self._aim(target, target.level)
         elif now >= target.rest_at and target.count is not None:
             target.rest_at = inf
-            if abs(here - target.count) > SAG:
-                target.count = packets.legal(here)
+            if abs(present - target.count) > SAG:
+                target.count = packets.legal(present)
                 self._aim(target, target.level)
 
     def _follow(self, gate: ServoGate, now: float) -> None:
@@ -284,22 +280,22 @@ class ServoTargets(Torque[TargetState]):
             self._follow_one(target, goal, now)
 
     def _follow_one(self, target: TargetState, goal: ServoGoal, now: float) -> None:
-        here = self.place(target.id)
+        present = self.place(target.id)
         if goal.position_rad != target.overtaken:
             target.overtaken = None
         if target.carried or goal.position_rad is None or target.overtaken is not None:
             count = target.count if target.on and not target.adrift else None
-            count = here if count is None else count
+            count = present if count is None else count
             if count is None:
                 target.trouble = "" if target.on else UNPLACED
                 return
         else:
             count = packets.position_count(goal.position_rad) + self._offsets.get(target.id, 0)
         count = packets.legal(count)
-        if target.on and target.count is None and here is None and now - self._played_at < PLAYED_S:
+        if target.on and target.count is None and present is None and now - self._played_at < PLAYED_S:
             target.led = goal.position_rad if target.led is None else target.led
             return
-        if not target.leads(goal, count, here, now - self._applied_at):
+        if not target.leads(goal, count, present, now - self._applied_at):
             target.weak_until = now + WEAK_S
         elif not target.on:
             target.weak_until = -inf
@@ -315,14 +311,14 @@ class ServoTargets(Torque[TargetState]):
                 self._aim(target, min(WEAKEST, target.level + round((1.0 - strength) * (WEAKEST + 1 - target.level))))
 
     def _repeat(self, now: float) -> None:
-        """Say again what may not have been heard: a goal that a servo is away from, or to release it."""
+        """Repeat packets that may have been lost: a goal that a servo is away from, or a release."""
         for target in self._all():
-            if target.want is None or target.want != target.said:
+            if target.want is None or target.want != target.sent:
                 continue
             if not target.on:
-                if target.times < OFF_TIMES and now - target.told_at >= OFF_AGAIN_S:
-                    target.said = None
-            elif target.count is not None and now - target.told_at >= AGAIN_S:
-                here = self.place(target.id)
-                if here is not None and abs(here - target.count) > SAG:
-                    target.said = None
+                if target.times < OFF_TIMES and now - target.sent_at >= OFF_AGAIN_S:
+                    target.sent = None
+            elif target.count is not None and now - target.sent_at >= AGAIN_S:
+                present = self.place(target.id)
+                if present is not None and abs(present - target.count) > SAG:
+                    target.sent = None

@@ -1,4 +1,4 @@
-"""The state of the servos and of the main board as others see it."""
+"""The public state of the servos and of the main board."""
 
 from lbr.drivers.servos.view import measured_age
 from lbr.messages.servos import BusStatistics, ServoState
@@ -12,25 +12,25 @@ MEASURED_S = 0.6
 
 
 def servo_state(targets: ServoTargets, target: TargetState, seen: Seen, now: float) -> ServoState:
-    """Return one servo: what is not believed, or too old, is not measured."""
+    """Return the state of one servo; untrusted or old values count as not measured."""
     age_s = now - seen.at
     believed = seen.trusted and age_s < MEASURED_S and seen.position is not None and seen.load is not None
-    heard = now - seen.raw_at < MEASURED_S
+    answered = now - seen.raw_at < MEASURED_S
     return ServoState(
         id=target.id,
         position_rad=targets.position_rad(target.id, seen.position) if believed and seen.position is not None else None,
         load=round(seen.load / (HEAD - 1), 4) if believed and seen.load is not None else None,
         goal_rad=targets.goal_rad(target),
         torque=_torque(target),
-        raw=(seen.position if believed else seen.raw) if believed or heard else None,
-        trusted=True if believed else False if heard else None,
+        raw=(seen.position if believed else seen.raw) if believed or answered else None,
+        trusted=True if believed else False if answered else None,
         age_s=measured_age(age_s),
         reason=seen.reason or target.trouble or target.blocked,
     )
 
 
 def statistics(bus: Bus, poller: Poller) -> BusStatistics:
-    """Return the figures of the line."""
+    """Return the statistics of the line."""
     return BusStatistics(
         sweeps_hz=round(poller.sweeps_hz, 1),
         states_hz=round(poller.states_hz, 1),

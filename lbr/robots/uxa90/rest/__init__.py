@@ -1,4 +1,4 @@
-"""The UXA-90's API, as its phone app and people's scripts have known it, and what was added to it since."""
+"""The UXA-90's API, unchanged for its phone app and people's scripts, with later additions."""
 
 from lbr.apps.web.ports import FacePorts
 from lbr.messages.faces import Button, Motor

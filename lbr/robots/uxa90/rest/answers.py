@@ -1,4 +1,4 @@
-"""Answers of the API: keys and their order are those that phones and scripts know; others come only when asked for."""
+"""Answers of the API, with the keys and their order known to phones and scripts; other keys only on request."""
 
 # ruff: noqa: N815 - the API's own names
 
@@ -10,7 +10,7 @@ Number = int | float
 
 
 class Measured(Struct, frozen=True):
-    """The report of a servo: its count, its load as a fraction, its age; null is not known or not believed."""
+    """The report of a servo: its count, its load as a fraction, its age; null if unknown or untrusted."""
 
     position: int | None
     load: float | None
@@ -19,8 +19,8 @@ class Measured(Struct, frozen=True):
 
 
 class MotorData(Struct, frozen=True):
-    """A motor. `position` is what it was told last; `rawPosition` the same as a whole count, `smartPosition` in the
-    asked unit."""
+    """A motor. `position` is its last commanded one; `rawPosition` the same as a whole count, `smartPosition` in the
+    requested unit."""
 
     id: int
     name: str
@@ -37,7 +37,7 @@ class MotorData(Struct, frozen=True):
 
 
 class MotorAnswer(Struct, frozen=True):
-    """All motors, one, or one that moves from now on; `job`, where it will do so only after a delay."""
+    """All motors, one, or one that moves from now on; `job` if it will do so after a delay."""
 
     data: list[MotorData] | MotorData
     message: Literal["getAllMotors", "getMotorInfo", "setMotorPos"]
@@ -48,7 +48,7 @@ class MotorAnswer(Struct, frozen=True):
 
 
 class MultiPositions(Struct, frozen=True):
-    """The motors as they were sent, with what they were clamped to."""
+    """The motors of the request, with the clamped positions."""
 
     positions: list[dict[str, Any]]
 
@@ -77,7 +77,7 @@ class MotionsAnswer(Struct, frozen=True):
 
 
 class MotionMessage(Struct, frozen=True):
-    """The code that stands for a motion; a name for a word to the main board that is not a motion."""
+    """The code of a motion; a name for an order to the main board that is not a motion."""
 
     btn_code: int | UnsetType = UNSET
     motion_name: str | UnsetType = UNSET

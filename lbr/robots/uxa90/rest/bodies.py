@@ -1,4 +1,4 @@
-"""Queries and bodies of the API, as its document describes it."""
+"""Queries and bodies of the API, as its document describes them."""
 
 from typing import Annotated, Literal
 
@@ -37,13 +37,13 @@ class MotorParams(Struct, kw_only=True):
 
 
 class MultiParams(Struct, kw_only=True):
-    """The reading of /multimotor."""
+    """The query of /multimotor."""
 
     unit: UNIT | None = None
 
 
 class MultiItem(Struct, kw_only=True):
-    """One motor. `position`, `torque` and `toqr` are taken too; what else it has is echoed."""
+    """One motor. `position`, `torque` and `toqr` are accepted too; other fields are echoed."""
 
     id: Id
     pos: Position
@@ -52,13 +52,13 @@ class MultiItem(Struct, kw_only=True):
 
 
 class MultiBody(Struct, kw_only=True):
-    """Which motors are to move."""
+    """The motors to move."""
 
     motors: Annotated[list[MultiItem], Meta(max_length=200)]
 
 
 class FrameBody(Struct, kw_only=True, forbid_unknown_fields=True):
-    """A key frame: angles of joints in radians by name, or counts of servos by number; the rest stays where it is."""
+    """A key frame: angles of joints in radians by name, or counts of servos by number; other joints stay."""
 
     duration_s: DurationS
     positions: dict[str, JointRad] = {}
@@ -66,7 +66,7 @@ class FrameBody(Struct, kw_only=True, forbid_unknown_fields=True):
 
 
 class MotionBody(Struct, kw_only=True, forbid_unknown_fields=True):
-    """A motion as key frames; `id` is left out for the next free one from 100 on."""
+    """A motion as key frames; without `id` it gets the next free one from 100 on."""
 
     name: Name
     frames: Annotated[list[FrameBody], Meta(min_length=1, max_length=MAX_FRAMES)]
@@ -77,7 +77,7 @@ class MotionBody(Struct, kw_only=True, forbid_unknown_fields=True):
 
 
 class MotorBody(Struct, kw_only=True, forbid_unknown_fields=True):
-    """A motor of the layer that is shown; `position` is what it is taken to have been told before it ever was."""
+    """A motor of the displayed layer; `position` counts as its last commanded one before the first command."""
 
     name: Label
     lowest: Count = field(name="min")
@@ -96,7 +96,7 @@ class NewMotorBody(MotorBody, kw_only=True, forbid_unknown_fields=True):
 
 
 class MotorRow(Struct, frozen=True):
-    """A motor as it is kept."""
+    """A stored motor."""
 
     id: int
     name: str
@@ -126,7 +126,7 @@ class Frame(Struct, frozen=True):
 
 
 class MotionRow(Struct, frozen=True):
-    """A motion as it is kept: played by the main board out of a `slot`, or from here, by its key frames."""
+    """A stored motion: played by the main board from a `slot`, or from here, by its key frames."""
 
     id: int
     name: str

@@ -1,4 +1,4 @@
-"""Motions by their numbers and names, as the remote control and the API know them."""
+"""Motions by their numbers and names, as in the remote control and the API."""
 
 from collections.abc import Iterable
 
@@ -17,12 +17,12 @@ class ButtonTable:
         self.buttons = {button.id: button for button in sorted(buttons, key=lambda each: each.id)}
 
     def put(self, button: Button) -> None:
-        """Take a new or changed one in."""
+        """Add a new or changed button."""
         self.buttons[button.id] = button
         self.buttons = dict(sorted(self.buttons.items()))
 
     def find(self, key: str) -> tuple[Button, bool]:
-        """Return what a number or a name means, and whether it was a number; of several of a name, the first."""
+        """Return the button for a number or a name, and whether it was a number; the first of several with one name."""
         if by_id := begins_as_integer(key):
             wanted_id = number(key)
             button = self.buttons.get(int(wanted_id)) if wanted_id.is_integer() and abs(wanted_id) < LARGEST else None
@@ -34,16 +34,16 @@ class ButtonTable:
         return button, by_id
 
     def all(self) -> list[MotionData]:
-        """Return all, as they are shown."""
+        """Return all as data of the API."""
         return [data(button) for button in self.buttons.values()]
 
 
 def data(button: Button) -> MotionData:
-    """Return one as it is shown."""
+    """Return one as data of the API."""
     return MotionData(id=button.id, name=button.name, button=button.button)
 
 
 def played(button: Button, *, by_id: bool) -> PlayedAnswer:
-    """Return the answer to one that plays from now on."""
+    """Return the answer for one that plays from now on."""
     message = MotionMessage(btn_code=button.id) if button.motion else MotionMessage(motion_name=button.name)
     return PlayedAnswer(data(button), "callMotionById" if by_id else "callMotionByName", message)

@@ -1,4 +1,4 @@
-"""The routes that make and change motors and motions: from a request's body to rows, and from rows to an answer."""
+"""The routes that create and change motors and motions: from a request's body to rows, and from rows to an answer."""
 
 from collections.abc import Mapping
 from typing import Annotated, NoReturn
@@ -47,13 +47,13 @@ NO_ROW = Refuses({404: "it is not there"})
 
 
 class Editor:
-    """Writes rows by way of the executive, and keeps the tables of this face in step with them."""
+    """Writes rows through the executive, and keeps the tables of this face in step with them."""
 
     def __init__(self, robot: Robot, motors: MotorTable, buttons: ButtonTable) -> None:
         self._robot = robot
         self._motors = motors
         self._buttons = buttons
-        self._heard = 0
+        self._known_revision = 0
 
     @get("/motors/{id}", within_s=EDIT_S)
     async def show_motor(self, id_: str) -> Annotated[Response, {200: MotorRowAnswer}, NO_ROW]:
@@ -62,7 +62,7 @@ class Editor:
 
     @post("/motors", role="admin", within_s=EDIT_S)
     async def add_motor(self, request: Request, body: NewMotorBody) -> Annotated[Response, {201: MotorRowAnswer}, EDIT]:
-        """Make a motor."""
+        """Create a motor."""
         if body.id in self._motors.motors:
             raise Refused(409, f"Motor '{body.id}' exists already; PUT /motors/{body.id} changes it", code="exists")
         return await self._write_motor(request, body, body.id, create=True)
@@ -86,7 +86,7 @@ class Editor:
 
     @post("/motions", role="admin", within_s=EDIT_S)
     async def add_motion(self, request: Request, body: MotionBody) -> Annotated[Response, {201: MotionRowAnswer}, EDIT]:
-        """Make a motion of key frames."""
+        """Create a motion of key frames."""
         number = self._free() if body.id is None else body.id
         if number in self._buttons.buttons:
             raise Refused(409, f"Motion '{number}' exists already; PUT /motions/{number} changes it", code="exists")
@@ -143,22 +143,21 @@ class Editor:
         quoted = _if_match(request.headers)
         revision = version if quoted is None else quoted
         reply = await self._robot.edit(rows, create=create, revision=revision, by=str(request.client)[:80])
-        self._heard = max(self._heard, reply.revision)
+        self._known_revision = max(self._known_revision, reply.revision)
         if not reply.accepted:
             _refuse(reply)
         return reply
 
     async def _revision(self) -> int:
-        """Return the newest revision of the rows: an edit without rows is refused with it.
+        """Return the newest revision of the rows, from the refusal of an edit without rows.
 
-        Without an answer it is one that was heard before: a client that quotes it may be refused, but overwrites
-        nothing.
+        Without an answer it is the last known one: a client that quotes it may be refused, but overwrites nothing.
         """
         try:
             reply: EditReply = await self._robot.ask("edit", EditCommand(), timeout_s=REVISION_S)
         except Refused:
-            return self._heard
-        self._heard = reply.revision
+            return self._known_revision
+        self._known_revision = reply.revision
         return reply.revision
 
     def _motor(self, key: str) -> Motor:
@@ -215,7 +214,7 @@ class Editor:
 
 
 def _frame(frame: FrameBody, at: int, joints: Mapping[str, Joint], by_id: Mapping[int, Joint]) -> KeyFrame:
-    """Return a key frame in joint radians; refuse joints that there are not, and angles that they may not have."""
+    """Return a key frame in joint radians; refuse unknown joints and angles beyond their limits."""
     positions = dict(frame.positions)
     for key, count in frame.counts.items():
         joint = by_id.get(int(key)) if _is_id(key) else None
@@ -242,11 +241,11 @@ def _answer(answer: MotorRowAnswer | MotionRowAnswer, status: int) -> Response:
 
 
 def _if_match(headers: Mapping[str, str]) -> int | None:
-    """Return the version of an `If-Match` header, if there is one; `*` is any."""
-    said = headers.get("if-match", "").strip()
-    if said in {"", "*"}:
+    """Return the version of an `If-Match` header, if there is one; `*` matches any."""
+    quoted = headers.get("if-match", "").strip()
+    if quoted in {"", "*"}:
         return None
-    version = said.removeprefix("W/").strip('"')
+    version = quoted.removeprefix("W/").strip('"')
     if not _is_id(version):
         raise Refused(400, 'If-Match must quote the version of an earlier answer, such as "12"')
     return int(version)

@@ -18,7 +18,7 @@ from lbr.robots.uxa90.rest.service import Service
 
 REFUSED = Refuses({400: "It makes no sense.", 409: "It is not there, is busy, held by another, or not allowed."})
 MOVE_S = 4.0
-"""A motion's answer may need three others: the joints given back, the motions', and the joints' again."""
+"""A motion's answer may need three replies: of the joints' release, of the motions, and of the joints again."""
 NO_JOB = Refuses({404: "there is no such job"})
 
 
@@ -31,14 +31,14 @@ class Moving(Route):
 
 
 class Handlers:
-    """The handlers of what moves."""
+    """The handlers of motion."""
 
     def __init__(self, work: Service) -> None:
         self._work = work
 
     @get("/", role=None, page=True)
     def alive(self) -> Annotated[Response, web.TEXT]:
-        """Say that it is there."""
+        """Report that the server is alive."""
         return web.text("OK")
 
     @get("/motor", Moving, within_s=MOVE_S)
@@ -63,7 +63,7 @@ class Handlers:
     ) -> Annotated[MultiAnswer, REFUSED]:
         """Move several motors at once, or each after its delay.
 
-        All of the list is looked at first: if anything is wrong with it, nothing moves.
+        The whole list is checked first: if anything is wrong with it, nothing moves.
         """
         _refuse_head(request)
         return await self._work.several(_json(request, body), _by_name(query), request.came_s)
@@ -78,7 +78,7 @@ class Handlers:
     async def play(self, request: Request, key: str) -> Annotated[PlayedAnswer, REFUSED]:
         """Play a motion, by number or name.
 
-        It plays by itself after the answer; one at a time. 99, pc_control, only takes the main board over.
+        It plays by itself after the answer; one at a time. 99, pc_control, only takes control of the main board.
         """
         _refuse_head(request)
         return await self._work.play(key, request.came_s)
@@ -95,12 +95,12 @@ class Handlers:
 
     @route("DELETE", "/jobs/{job}", role="operate")
     async def cancel(self, job: str) -> Annotated[JobReply, NO_JOB, Refuses({409: "it is over"})]:
-        """Cancel a job: what has not begun does not begin."""
+        """Cancel a job: its remaining steps do not begin."""
         return JobReply(self._work.jobs.cancel(job))
 
 
 def _refuse_head(request: Request) -> None:
-    """Move nothing for a client that only asks what there is."""
+    """Refuse to move for a client that only requests headers."""
     if request.method == "HEAD":
         raise Refused(405, "HEAD moves nothing: use GET or POST", {"Allow": "GET, POST"})
 
@@ -113,7 +113,7 @@ def _by_name(query: Query) -> parsing.Query:
 
 
 def _json(request: Request, body: bytes) -> Any:
-    """Return what a body says, whatever that is; refuse none, other kinds of it, and what is not JSON."""
+    """Return the content of a JSON body; refuse a missing one, another media type, and invalid JSON."""
     media = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if not body:
         raise Refused(400, f"a body is needed: {parsing.EXAMPLE}, as application/json")

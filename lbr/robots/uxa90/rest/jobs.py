@@ -1,5 +1,4 @@
-"""Moves that are to begin later: what waits, what became of it, and what ends all of it. Pure; times are monotonic
-seconds."""
+"""Delayed moves: waiting jobs, their results, and their cancellation. Pure; times are monotonic seconds."""
 
 from collections import OrderedDict
 from dataclasses import dataclass, field
@@ -18,7 +17,7 @@ JobState = Literal["waiting", "done", "cancelled", "dropped"]
 
 
 class JobStep(Struct, frozen=True):
-    """One motor of a job: where it goes, when after the request, and whether it has begun."""
+    """One motor of a job: its goal, its delay after the request, and whether it has begun."""
 
     id: int
     pos: Number
@@ -28,7 +27,7 @@ class JobStep(Struct, frozen=True):
 
 
 class JobData(Struct, frozen=True):
-    """A job. `reason` says why it was dropped or cancelled, or that a step of it was refused."""
+    """A job. `reason` explains why it was dropped or cancelled, or that a step was refused."""
 
     id: str
     state: JobState
@@ -43,7 +42,7 @@ class JobReply(Struct, frozen=True):
 
 
 class JobsReply(Struct, frozen=True):
-    """The jobs that wait, and the last ones that ended."""
+    """The waiting jobs, and the last ones that ended."""
 
     data: list[JobData]
 
@@ -60,7 +59,7 @@ class _Job:
 
 
 class Jobs:
-    """All jobs, the newest ones of those that ended included."""
+    """All waiting jobs, and the newest ended ones."""
 
     def __init__(self) -> None:
         self._jobs: OrderedDict[str, _Job] = OrderedDict()
@@ -68,16 +67,16 @@ class Jobs:
 
     @property
     def waiting(self) -> int:
-        """Return how many have steps that have not begun."""
+        """Return the number of jobs with steps that have not begun."""
         return sum(job.state == "waiting" for job in self._jobs.values())
 
     def refuse_more(self) -> None:
-        """Refuse a request that would make one too many."""
+        """Refuse a request for one job too many."""
         if self.waiting >= MOST_WAITING:
             raise Refused(429, f"{MOST_WAITING} jobs wait already; cancel some (DELETE /jobs/ID) or ask later")
 
     def add(self, turns: tuple[Turn, ...], now: float) -> str:
-        """Have moves begin by their delays, and return the job's id; those without a delay have begun already."""
+        """Add moves that begin after their delays, and return the job's id; those without a delay have begun already."""
         self._count += 1
         waiting = sorted((at for at, turn in enumerate(turns) if turn.delay_s > 0.0), key=lambda at: turns[at].delay_s)
         job = _Job(id=str(self._count), begun_s=now, turns=turns, waiting=waiting)
@@ -87,7 +86,7 @@ class Jobs:
         return job.id
 
     def due(self, now: float) -> list[tuple[str, tuple[Turn, ...]]]:
-        """Return what is to begin now, and count it as begun."""
+        """Return the steps due now, and count them as begun."""
         ready_steps = []
         for job in self._waiting():
             ready = [at for at in job.waiting if now >= job.begun_s + job.turns[at].delay_s]
@@ -99,7 +98,7 @@ class Jobs:
         return ready_steps
 
     def cancel(self, name: str) -> JobData:
-        """Have what has not begun not begin."""
+        """Cancel the steps that have not begun."""
         job = self._find(name)
         if job.state != "waiting":
             raise Refused(409, f"Job '{job.id}' is over: {job.state}", code="done")
@@ -107,25 +106,25 @@ class Jobs:
         return _data(job)
 
     def drop(self, reason: str, name: str = "") -> int:
-        """End one job, or all that wait, and return how many that were."""
+        """End one job, or all waiting ones, and return their number."""
         dropped = [job for job in self._waiting() if name in {"", job.id}]
         for job in dropped:
             job.state, job.reason, job.waiting = "dropped", reason, []
         return len(dropped)
 
     def fail(self, name: str, turns: tuple[Turn, ...], reason: str) -> None:
-        """Say that steps did not begin after all, which ends their job."""
+        """Note that steps did not begin after all, which ends their job."""
         job = self._jobs.get(name)
         if job is not None:
             job.begun -= {at for at, turn in enumerate(job.turns) if any(turn is each for each in turns)}
             job.state, job.reason, job.waiting = "dropped", reason, []
 
     def get(self, name: str) -> JobData:
-        """Return one."""
+        """Return one job."""
         return _data(self._find(name))
 
     def all(self) -> list[JobData]:
-        """Return all, the newest first."""
+        """Return all jobs, the newest first."""
         return [_data(job) for job in reversed(self._jobs.values())]
 
     def _find(self, name: str) -> _Job:
@@ -138,7 +137,7 @@ class Jobs:
         return [job for job in self._jobs.values() if job.state == "waiting"]
 
     def _forget(self) -> None:
-        """Keep all that wait, and the newest of the others."""
+        """Keep all waiting jobs, and the newest of the others."""
         ended = [job.id for job in self._jobs.values() if job.state != "waiting"]
         for name in islice(ended, max(0, len(ended) - MOST_REMEMBERED)):
             del self._jobs[name]

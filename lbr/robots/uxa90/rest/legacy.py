@@ -30,7 +30,7 @@ class Uxa90Face(web.Face):
             robot.ctx.event("no_motors", text + ", ".join(layers), level="warning")
 
     def routes(self) -> Sequence[Route]:
-        """Return what it answers."""
+        """Return its routes."""
         return [*declared(self._handlers), *declared(self._editor), *declared(self)]
 
     @get("/demo", role=None, page=True)
@@ -47,18 +47,18 @@ class Uxa90Face(web.Face):
         return web.static(HERE, "demo.css", web.STYLE)
 
     def step(self, now: float) -> None:
-        """Renew what is borrowed, and begin what is due."""
+        """Renew leases, and begin due moves."""
         self._work.step(now)
 
     def stopped(self, reason: str) -> None:
-        """Begin nothing of what waits."""
+        """Drop everything that waits."""
         self._work.stopped(reason)
 
     def state(self) -> Mapping[str, Any]:
-        """Return what motors were told, what is busy, and the jobs that wait."""
+        """Return the commanded positions of motors, the current motion, and the number of waiting jobs."""
         return self._work.state()
 
     @property
     def jobs(self) -> int:
-        """Return how many wait."""
+        """Return the number of waiting jobs."""
         return self._work.jobs.waiting

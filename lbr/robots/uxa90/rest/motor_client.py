@@ -1,4 +1,4 @@
-"""The one lease by which the API moves motors: taken with the first move, joined by others, over when all have
+"""The one lease by which the API moves motors: granted with the first move, joined by others, over when all have
 arrived."""
 
 from collections.abc import Callable, Iterable
@@ -21,33 +21,33 @@ TTL_S = 0.5
 JOINTS = LeaseTarget("move", "halt", "joints operation", "joints operation does not answer", silent_s=TTL_S + RENEW_S)
 RENEWAL = JointsCommand(ttl_s=TTL_S)
 MOST_TRIES = 20
-"""Where several clients move motors a little, each lease is over as soon as it is there."""
+"""The repetitions of a request: where several clients move motors a little, each lease ends as soon as it begins."""
 PLANNED = frozenset({"done", "superseded", "cancelled"})
 
 
 class MotorClient:
-    """Borrows the joints for all motors together; everything here is in the capability's loop.
+    """Leases the joints for all motors together; everything here runs in the capability's loop.
 
-    `lost` is told when a move ended by anything but its arrival, or another of ours.
+    It calls `lost` when a move ended by anything but its arrival, or another of ours.
     """
 
     def __init__(self, robot: Robot, lost: Callable[[str], None]) -> None:
         self._robot = robot
         self._lost = lost
         self._holder = Holder(robot.ctx, renewal=RENEWAL)
-        self._released = (0, "")  # how often, and why
+        self._released = (0, "")  # the number of releases, and the last reason
         self._begun = -inf
 
     @property
     def holds(self) -> bool:
-        """Return whether motors are under way by our lease, or it is being asked for."""
+        """Return whether motors move under our lease, or it is requested."""
         return self._holder.asks
 
     async def turn(self, turns: Iterable[Turn], joint: Callable[[Turn], Joint], *, timed: bool = False) -> None:
         """Move motors; return once the joints have accepted all of it, else raise Refused with their reason.
 
-        `timed`: it was asked for long ago, so a stop that was not heard of yet is to come first. A request under a
-        lease that ended just then, because all had arrived, is repeated.
+        `timed`: it was requested long ago, so a stop that is still on its way must come first. A request is repeated if
+        its lease has just ended because all had arrived.
         """
         command = _command(turns, joint)
         if command is None:
@@ -59,7 +59,7 @@ class MotorClient:
                 raise Refused(409, why)
 
     def step(self) -> None:
-        """Read how goals ended, and renew the lease while something is under way."""
+        """Process the ends of goals, and renew the lease during motion."""
         lease, ended = self._holder.lease, self._holder.step(self._robot.moved)
         if lease is None or lease.accepted is None or ended is None:
             return
@@ -67,13 +67,13 @@ class MotorClient:
             self._lost(ended.text)
 
     def release(self, why: str) -> PendingReply | None:
-        """Give the joints back, where they are, and begin nothing that waits; the answer says that they hold, if any
-        did."""
+        """Release the lease, holding the joints, and drop waiting requests; return the reply to come, if there was a
+        lease."""
         self._released = (self._released[0] + 1, why)
         return self._holder.release(why)
 
     async def _ask(self, command: JointsCommand, released: tuple[int, str], *, timed: bool) -> Reason | None:
-        """Ask by the lease, or for one; return why it was refused, or nothing."""
+        """Send a command under the lease, or for a new one; return why it was refused, or None."""
         await until(lambda: self._ready(timed=timed) or self._released != released)
         if self._released != released:
             return Reason("cancelled", self._released[1])
@@ -81,7 +81,7 @@ class MotorClient:
         if lease is not None and lease.ended is None:
             return await self._join(lease, command)
         self._begun = self._robot.now()
-        asked_s = min(self._heard_s(), self._begun) if timed else None
+        asked_s = min(self._joints_seen_s(), self._begun) if timed else None
         lease = self._holder.begin(JOINTS, replace(command, asked_s=asked_s))
         await until(lambda: self._answered(lease))
         return None if lease.accepted is not None else lease.ended
@@ -98,29 +98,29 @@ class MotorClient:
         return None if reply.accepted else reply.why
 
     def _ready(self, *, timed: bool) -> bool:
-        """Return whether what waits can be asked for now; a date must not be before that of our last lease."""
+        """Return whether a waiting request can be sent now; its date must not be before that of our last lease."""
         if self._holder.lease is not None and self._holder.asks:
             return self._holder.lease.accepted is not None
-        return not timed or self._heard_s() > self._begun
+        return not timed or self._joints_seen_s() > self._begun
 
     def _answered(self, lease: LeaseClient) -> bool:
         self.step()
         return lease.accepted is not None or lease.ended is not None
 
-    def _heard_s(self) -> float:
+    def _joints_seen_s(self) -> float:
         joints = self._robot.snapshot.joints
         return inf if joints is None else joints.arrived
 
 
 def _sent(lease: LeaseClient, command: JointsCommand, asked: list[PendingReply]) -> bool:
-    """Send a command unless too much waits for answers; what is refused leaves the motors that move alone."""
-    found = lease.send(command, vital=False)
-    asked += [found] if found is not None else []
-    return found is not None
+    """Send a command unless too many wait for replies; a refusal does not affect moving motors."""
+    pending = lease.send(command, vital=False)
+    asked += [pending] if pending is not None else []
+    return pending is not None
 
 
 def _command(turns: Iterable[Turn], joint: Callable[[Turn], Joint]) -> JointsCommand | None:
-    """Return one command, so that all begin or none does; of several turns of one motor, the last counts."""
+    """Return one command, so that all motors begin or none; of several turns of one motor, the last counts."""
     newest = {turn.motor.id: turn for turn in turns}
     rows = {joint(turn).name: (joint(turn), turn) for turn in newest.values()}
     if not rows:

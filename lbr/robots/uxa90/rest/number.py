@@ -1,11 +1,11 @@
-"""Numbers as JavaScript reads and writes them: what phones and scripts send was made for a server in that language."""
+"""Numbers as JavaScript reads and writes them: phones and scripts were made for a server in that language."""
 
 import re
 from math import copysign, floor, inf, isfinite, isinf, isnan, nan
 
 WHITESPACE = "\t\n\v\f\r \u00a0\u1680\u2000\u2001\u2002\u2003\u2004\u2005\u2006\u2007\u2008\u2009\u200a\u2028\u2029\u202f\u205f\u3000\ufeff"
 LONGEST = 400
-"""Characters of a number; longer ones are mistakes, and reading them takes ever longer."""
+"""The most characters of a number; longer ones are mistakes, and take ever longer to read."""
 LARGEST_BITS = 1023
 _DECIMAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _PREFIXED = re.compile(r"0(?:[xX][0-9a-fA-F]+|[oO][0-7]+|[bB][01]+)")
@@ -13,7 +13,7 @@ _INTEGER = re.compile(r"[+-]?(?:0[xX][0-9a-fA-F]|[0-9])")
 
 
 def number(text: str) -> float:
-    """Return what `Number(text)` is: empty is 0, junk NaN; decimal, 0x, 0o, 0b and Infinity are numbers."""
+    """Return the result of `Number(text)`: empty is 0, junk NaN; decimal, 0x, 0o, 0b and Infinity are numbers."""
     text = text.strip(WHITESPACE)
     if not text:
         return 0.0
@@ -28,7 +28,7 @@ def number(text: str) -> float:
 
 
 def of_json(value: float) -> float:
-    """Return a number of a JSON body, where whole ones may be larger than any float: those are infinite."""
+    """Return a number of a JSON body; a whole one larger than any float becomes infinite."""
     try:
         return float(value)
     except OverflowError:
@@ -41,12 +41,12 @@ def begins_as_integer(text: str) -> bool:
 
 
 def plain(value: float) -> int | float:
-    """Return a number as it is to be written in JSON: whole ones without a point."""
+    """Return a number as written in JSON: whole ones without a point."""
     return int(value) if isfinite(value) and value == floor(value) and abs(value) < 1e21 else value
 
 
 def written(value: float) -> str:
-    """Return what `String(value)` is."""
+    """Return the result of `String(value)`."""
     if isnan(value):
         return "NaN"
     if isinf(value):
@@ -65,7 +65,7 @@ def written(value: float) -> str:
 
 
 def nearest(value: float) -> int:
-    """Return the count nearest to it; halves go up."""
+    """Return the nearest count; halves go up."""
     return floor(value + 0.5)
 
 
@@ -75,7 +75,7 @@ def clamped(value: float, lowest: float, highest: float) -> float:
 
 
 def _shortest(value: float) -> tuple[str, int]:
-    """Return the fewest digits that are this number, and where its point is: 0.digits times ten to that power."""
+    """Return the fewest digits of this number, and the place of its point: 0.digits times ten to that power."""
     mantissa, _, exponent = f"{value!r}".partition("e")
     whole, _, part = mantissa.partition(".")
     digits = (whole + part).lstrip("0")

@@ -1,5 +1,4 @@
-"""The demand of a request to /motor or /multimotor, by the rules and in the order that the API has had from the
-beginning."""
+"""The content of a request to /motor or /multimotor, by the API's original rules and their order."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -20,12 +19,12 @@ EXAMPLE = '{"motors": [{"id": 23, "pos": 100, "torq": 0}]}'
 POSITIONS = ("pos", "position")
 TORQUES = ("torq", "torque")
 TORQUES_IN_BODY = ("torq", "torque", "toqr")
-"""The last is how some have always spelt it."""
+"""The names of the torque in a body; the last is a common misspelling."""
 
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """One motor that is to go to a count, at a level of torque, this long after the request."""
+    """One motor's move to a count, at a level of torque, after a delay from the request."""
 
     motor: Motor
     position: Number
@@ -36,7 +35,7 @@ class Turn:
 
 @dataclass(frozen=True, slots=True)
 class Move:
-    """One motor is to move; `torq` as it is echoed."""
+    """A move of one motor; `torq` as it is echoed."""
 
     turn: Turn
     torq: Number
@@ -51,15 +50,15 @@ def unit_of(query: Query) -> str:
 
 
 def flag(query: Query, name: str) -> bool:
-    """Return what was said of a switch; nothing is no."""
-    said = _once(query, name)
-    if said not in {None, "", "true", "false", "1", "0"}:
+    """Return the value of a switch; missing means false."""
+    text = _once(query, name)
+    if text not in {None, "", "true", "false", "1", "0"}:
         raise Refused(400, f"{name} must be true or false")
-    return said in {"true", "1"}
+    return text in {"true", "1"}
 
 
 def of_motor(table: MotorTable, query: Query) -> Move | Motor | None:
-    """Decide what GET /motor wants: that one moves, one to be read, or the list."""
+    """Return the content of GET /motor: a move, one motor to read, or None for the list."""
     if "id" not in query:
         return None
     ids = query["id"]
@@ -84,7 +83,7 @@ def of_motor(table: MotorTable, query: Query) -> Move | Motor | None:
 
 
 def of_motors(table: MotorTable, body: Any, query: Query) -> list[tuple[Turn, dict[str, Any]]]:
-    """Decide what /multimotor wants of each motor, and how that is echoed; all of it before anything moves."""
+    """Return each motor's move for /multimotor, with its echo; all of them before anything moves."""
     unit = unit_of(query)
     items = body.get("motors") if isinstance(body, dict) else None
     if not isinstance(items, list):
@@ -124,7 +123,7 @@ def _is_number(value: Any) -> TypeGuard[int | float]:
 
 
 def _named(value: Any) -> str:
-    """Return how JavaScript would write what should have been a number."""
+    """Return JavaScript's text for a value that should have been a number."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if value is None or isinstance(value, str):
@@ -133,7 +132,7 @@ def _named(value: Any) -> str:
 
 
 def _text(query: Query, names: tuple[str, str]) -> str | None:
-    """Return what was said by the short name or else the long one; an empty short one was not said."""
+    """Return the value of the short name or else the long one; an empty short one counts as missing."""
     short, long = (_once(query, name) for name in names)
     return short or long
 

@@ -12,11 +12,11 @@ from lbr.messages.joints import PlayCommand
 
 LENDER = LeaseTarget("play", "stop_motion", "motions", "'motions' does not answer any more")
 OLDEST_S = 1.5
-"""A state of motions that is older says nothing: they tell it twice a second."""
+"""The age limit of a state of motions, which comes twice a second."""
 
 
 class Player:
-    """Borrows `motions`; everything here is in the capability's loop. `lost` is told how a motion ended unasked."""
+    """A client of `motions`; everything here runs in the capability's loop. It calls `lost` when a motion ends unasked."""
 
     def __init__(self, robot: Robot, lost: Callable[[str], None]) -> None:
         self._robot = robot
@@ -27,12 +27,12 @@ class Player:
         self._why: Reason | None = None
 
     def busy(self, now: float) -> str:
-        """Return what is being played, by whomever, and for how long; empty if nothing is."""
+        """Return a sentence about the current motion, of any sender, and its remaining time; empty without one."""
         if self._holder.asks:
             left = "" if self._until is None else f" for another {max(0.0, self._until - now):.1f} s"
             return f"busy: '{self._command.motion}' plays{left}"
-        heard, state = self._robot.snapshot.motions, self._robot.snapshot.motions_state
-        if heard is None or state is None or not state.playing or heard.age_s(now) > OLDEST_S:
+        received, state = self._robot.snapshot.motions, self._robot.snapshot.motions_state
+        if received is None or state is None or not state.playing or received.age_s(now) > OLDEST_S:
             return ""
         return f"busy: '{state.motion}' is played by {state.holder or 'another'}"
 
@@ -47,7 +47,7 @@ class Player:
             raise Refused(409, self._why or "it has ended", code=None if self._why else "done")
 
     def step(self, now: float) -> None:
-        """Read the answers, renew, and see the end."""
+        """Process replies, renew the lease, and detect the end."""
         ended = self._holder.step(self._robot.played)
         if self._holder.holds and self._until is None:
             self._until = now + self._takes_s()
@@ -55,7 +55,7 @@ class Player:
             self._end(self._holder.lease, ended)
 
     def stop(self, why: str) -> None:
-        """End what is played here."""
+        """End the motion played here."""
         if self._holder.lease is not None and self._holder.asks:
             self._end(self._holder.lease, Reason("stopped", why))
             self._holder.release(why)

@@ -27,11 +27,11 @@ from lbr.robots.uxa90.rest.table import MotorTable
 
 TAKE_CONTROL_S = 3.0
 STOOD_STILL_S = 1.0
-"""A job that is due after this long without a round would surprise everybody."""
+"""The longest pause of the loop after which due jobs still begin: later ones would surprise everybody."""
 
 
 class Service:
-    """Everything here is in the capability's loop, but for reading the tables."""
+    """The API; everything here runs in the capability's loop, except for reading the tables."""
 
     def __init__(self, robot: Robot) -> None:
         self.motors = MotorTable(robot.motors, robot.joints, robot.settings.layer)
@@ -43,11 +43,11 @@ class Service:
         self._stopped_s: float | None = None
         self._looked = False
         self._stepped = inf
-        self._given_up = (0, "")  # how often, and why
+        self._given_up = (0, "")  # the number of times, and the last reason
         self._next = ""  # the motion that begins once motors have stopped
 
     def step(self, now: float) -> None:
-        """Go on with all that is under way."""
+        """Continue motion, jobs and leases."""
         self._mover.step()
         self._player.step(now)
         self._watch_stops()
@@ -58,16 +58,16 @@ class Service:
             self._robot.start(self._begin(name, turns))
 
     def stopped(self, reason: str) -> None:
-        """Give everything up, also what was to begin once others have answered."""
+        """Give everything up, including moves that wait for replies."""
         self._given_up = (self._given_up[0] + 1, reason)
         self.jobs.drop(reason)
         self._mover.release(reason)
         self._player.stop(reason)
 
     def state(self) -> Mapping[str, Any]:
-        """Return what belongs into the stream of states."""
+        """Return this face's part of the stream of states."""
         return {
-            "positions": {str(number): told for number, told in self.motors.told.items()},
+            "positions": {str(number): position for number, position in self.motors.commanded.items()},
             "busy": self._player.busy(self._robot.now()),
             "moving": self._mover.holds,
             "jobs": self.jobs.waiting,
@@ -76,7 +76,7 @@ class Service:
     async def motor(
         self, query: parsing.Query, require: Callable[[Role], None], *, measured: bool, came_s: float = inf
     ) -> MotorAnswer:
-        """Answer /motor."""
+        """Handle /motor."""
         wanted = parsing.of_motor(self.motors, query)
         if isinstance(wanted, Move):
             require("operate")
@@ -92,7 +92,7 @@ class Service:
         return MotorAnswer([data(motor) for motor in self.motors.motors.values()], "getAllMotors")
 
     async def several(self, body: Any, query: parsing.Query, came_s: float = inf) -> MultiAnswer:
-        """Answer /multimotor."""
+        """Handle /multimotor."""
         self._refuse_stopped_since(came_s)
         decided = parsing.of_motors(self.motors, body, query)
         job = await self._turn(tuple(turn for turn, _ in decided))
@@ -100,7 +100,7 @@ class Service:
         return MultiAnswer("setMultiMotorsPos", echoed, UNSET if job is None else job)
 
     async def play(self, key: str, came_s: float = inf) -> PlayedAnswer:
-        """Answer /motion/KEY: what motors do ends first."""
+        """Handle /motion/KEY; motors' moves end first."""
         self._refuse_stopped_since(came_s)
         button, by_id = self.buttons.find(key)
         if button.motion:
@@ -112,13 +112,13 @@ class Service:
 
     async def _move(self, move: Move, unit: str, *, measured: bool) -> MotorAnswer:
         motor, position = move.turn.motor, move.turn.position
-        old = self.motors.told[motor.id]
+        old = self.motors.commanded[motor.id]
         job = await self._turn((move.turn,))
         data = self._with_measured(self.motors.data(motor, position, unit), measured=measured)
         return MotorAnswer(data, "setMotorPos", old, position, move.torq, UNSET if job is None else job)
 
     async def _turn(self, turns: tuple[Turn, ...]) -> str | None:
-        """Have what is not delayed begin; return the job that the rest waits as, if what begins was accepted."""
+        """Begin the moves without a delay; return the job of the others, if the first were accepted."""
         now = tuple(turn for turn in turns if not turn.delay_s > 0.0)
         later = len(now) < len(turns)
         if later:
@@ -134,7 +134,7 @@ class Service:
         return self.jobs.add(turns, asked) if later else None
 
     async def _begin(self, name: str, turns: tuple[Turn, ...]) -> None:
-        """Have the due steps of a job begin; whatever refuses them ends it."""
+        """Begin the due steps of a job; a refusal ends it."""
         try:
             self._refuse_busy()
             await self._mover.turn(turns, self._joint, timed=True)
@@ -158,7 +158,7 @@ class Service:
         await self._player.play(motion)
 
     async def _take_control(self) -> None:
-        """Have the main board taken over; what motors do goes on."""
+        """Take control of the main board; motors' moves continue."""
         reply = await self._robot.ask("take_control", TakeControlCommand(), timeout_s=TAKE_CONTROL_S)
         if not reply.accepted:
             raise Refused(409, reply.why)
@@ -168,14 +168,14 @@ class Service:
 
     def _tell(self, turns: tuple[Turn, ...]) -> None:
         for turn in turns:
-            self.motors.told[turn.motor.id] = turn.position
+            self.motors.commanded[turn.motor.id] = turn.position
 
     def _refuse_busy(self) -> None:
         if why := self._player.busy(self._robot.now()) or (f"busy: '{self._next}' begins" if self._next else ""):
             raise Refused(409, why, code="busy")
 
     def _refuse_given_up(self, before: tuple[int, str]) -> None:
-        """Refuse to go on with what was asked for before everything was given up."""
+        """Refuse to continue a request from before everything was given up."""
         if self._given_up != before:
             raise Refused(409, self._given_up[1], code="stopped")
 
@@ -185,14 +185,14 @@ class Service:
             raise Refused(409, f"{joints.reason or 'emergency stop'}; 'reset' releases it", code="estop")
 
     def _refuse_stopped_since(self, came_s: float) -> None:
-        """Refuse what had begun to come before the joints were stopped, and is read whole only now."""
+        """Refuse a request that began to arrive before the joints were stopped, and is complete only now."""
         joints = self._robot.snapshot.joints_state
         if joints is not None and joints.stopped_s is not None and came_s <= joints.stopped_s:
             by = f" by {joints.stopped_by}" if joints.stopped_by else ""
             raise Refused(409, f"the robot was stopped{by} after this was sent", code="stopped_since")
 
     def _watch_stops(self) -> None:
-        """Stop what waits, too, when the joints are stopped."""
+        """Drop waiting jobs, too, when the joints are stopped."""
         joints = self._robot.snapshot.joints_state
         if joints is None:
             return

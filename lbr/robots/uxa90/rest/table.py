@@ -1,4 +1,4 @@
-"""The motors as the API has them: the rows of one layer, and what each was told last."""
+"""The motors of the API: the rows of one layer, and each motor's last commanded position."""
 
 from collections.abc import Iterable
 from math import radians
@@ -18,29 +18,29 @@ UNITS = ("raw", "percent", "deg")
 
 
 class MotorTable:
-    """One layer's motors by number; `told` is the position of each, which its reply shows."""
+    """One layer's motors by number; `commanded` has their positions, which replies show."""
 
     def __init__(self, motors: Iterable[Motor], joints: Iterable[Joint], layer: str) -> None:
         self.joints = {joint.device_id: joint for joint in joints}
         self.motors = {motor.id: motor for motor in sorted(motors, key=lambda each: each.id) if motor.layer == layer}
-        self.told: dict[int, Number] = {number: motor.initial for number, motor in self.motors.items()}
+        self.commanded: dict[int, Number] = {number: motor.initial for number, motor in self.motors.items()}
 
     def put(self, motor: Motor) -> None:
-        """Take a new or changed motor in; what it was told stays."""
+        """Add a new or changed motor; its commanded position stays."""
         self.motors[motor.id] = motor
         self.motors = dict(sorted(self.motors.items()))
-        self.told.setdefault(motor.id, motor.initial)
+        self.commanded.setdefault(motor.id, motor.initial)
 
     def find(self, number: float) -> Motor:
-        """Return a motor by the number that was asked for, whatever that is."""
+        """Return a motor by the requested number, which may be any number."""
         motor = self.motors.get(int(number)) if abs(number) < LARGEST and number == int(number) else None
         if motor is None:
             raise Refused(409, f"Motor '{written(number)}' doesn't exist", code="unknown_name")
         return motor
 
     def data(self, motor: Motor, position: Number | None = None, unit: str = "") -> MotorData:
-        """Return a motor as it is shown, with the position it has or will have."""
-        at = self.told[motor.id] if position is None else position
+        """Return a motor's data, with its present or future position."""
+        at = self.commanded[motor.id] if position is None else position
         return MotorData(
             id=motor.id,
             name=motor.name,
@@ -55,7 +55,7 @@ class MotorTable:
         )
 
     def in_unit(self, motor: Motor, count: Number, unit: str) -> Number | None:
-        """Return a position in another unit: percent of its range, degrees of its joint (null if no row has that)."""
+        """Return a position in another unit: percent of its range, degrees of its joint (null without a joint)."""
         if unit == "raw":
             return count
         if unit == "deg":
@@ -65,7 +65,7 @@ class MotorTable:
         return plain(round(100.0 - percent if motor.inverted else percent, 1))
 
     def from_unit(self, motor: Motor, value: float, unit: str) -> Number:
-        """Return the count that a position means, within the motor's range."""
+        """Return the count for a position, within the motor's range."""
         if unit == "percent":
             percent = clamped(value, 0.0, 100.0)
             share = (100.0 - percent if motor.inverted else percent) / 100.0
@@ -85,7 +85,7 @@ class MotorTable:
         return joint
 
     def target(self, motor: Motor, position: Number) -> int:
-        """Return the count that goes to the servo; refuse what its joint, or the wire, does not allow."""
+        """Return the count for the servo; refuse one beyond the limits of its joint or the line."""
         joint, count = self.joint(motor), nearest(position)
         lowest, highest = allowed(joint)
         if lowest <= count <= highest:

@@ -1,5 +1,4 @@
-"""The emulated serial line of a UXA-90: what its device rows may set, what can go wrong with it, and which twin it
-has."""
+"""The emulated serial line of a UXA-90: the settings of its device rows, its faults, and its twin."""
 
 from typing import Annotated
 
@@ -41,7 +40,7 @@ class Uxa90Faults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True)
 class Uxa90Row(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The main board at the other end of a `uxa90` device row's line, and its speed; `ids` are its servos.
 
-    `zeros`: each servo's, as the board keeps them. `programmes`: replace motions of the board, by slot. `aborts`: PC
+    `zeros`: each servo's, as stored in the board. `programmes`: replace motions of the board, by slot. `aborts`: PC
     control ends a motion; else it is ignored meanwhile. `reports_end`: a motion of the remote control is answered at
     its end. `answers_fine`: a move of 14 bits is, too. `imu_sum`: its inertial unit's sum is right. A servo answers
     after `reply_ms` and up to `jitter_ms`, PC control after `settle_ms`. `trace`: bytes and mode changes go to a

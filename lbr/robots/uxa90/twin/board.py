@@ -1,8 +1,8 @@
-"""The emulated main board (UIC): its modes, its motions, and the servos that it passes packets on to.
+"""The emulated main board (UIC): its modes, its motions, and the servos to which it passes packets on.
 
-In normal mode it heeds its own frames alone. A frame of type 10 takes PC control: from then on servo packets are passed
-on, except while a motion plays. The effect of a packet on a servo is computed when the packet is handed in, a little
-early.
+In normal mode it obeys only its own frames. A frame of type 0x10 takes PC control: from then on servo packets are
+passed on, except while a motion plays. The effect of a packet on a servo is computed when the packet is handed in, a
+little early.
 """
 
 from collections.abc import Iterable, Mapping
@@ -22,7 +22,7 @@ CONTROL, REMOTE, SERIAL, FIRMWARE, ZEROS, SET_ZEROS, IMU, LAST_BUTTON = 0x10, 0x
 POWER_OFF = 33
 SITTING = 21
 LEAST_SUPPLY_V = 9.0
-"""Below that its processors are out."""
+"""The voltage below which its processors are off."""
 
 KILLED_S = 0.5
 _PLAY, _LEAVE = 0xE1, 0xFB
@@ -60,12 +60,12 @@ class MainBoard:
 
     @property
     def mode(self) -> Mode:
-        """Return what it heeds."""
+        """Return its mode."""
         return self._mode
 
     @property
     def faults(self) -> Uxa90Faults:
-        """Return what is made to go wrong; setting it takes effect at once."""
+        """Return its faults; setting them takes effect at once."""
         return self._faults
 
     @faults.setter
@@ -80,7 +80,7 @@ class MainBoard:
     # The line.
 
     def feed(self, data: bytes, now: float, baud: float | None = None) -> bytes:
-        """Take bytes that the host sends at a rate; return what has reached it so far."""
+        """Receive bytes that the host sends at a rate; return the bytes that have reached the host so far."""
         answers = self.poll(now)
         if self._mode == "off" or (baud and abs(baud - self.row.baud) > 0.03 * self.row.baud):
             return answers
@@ -98,12 +98,12 @@ class MainBoard:
         return answers + self.poll(now)
 
     def poll(self, now: float) -> bytes:
-        """Return what has reached the host so far."""
+        """Return the bytes that have reached the host so far."""
         self._until(now)
         return self._replies.due(now) if self._mode != "off" else b""
 
     def next_due(self) -> float | None:
-        """Return when it next has something to say or to do."""
+        """Return the time of its next output or action."""
         if self._mode == "off":
             return None
         played = self._player.next_at if self._player is not None else None
@@ -113,12 +113,12 @@ class MainBoard:
     # The body.
 
     def drives(self, now: float) -> dict[int, ServoDrive]:
-        """Return what each servo's motor does now."""
+        """Return the state of each servo's motor now."""
         self._until(now)
         return {servo.number: servo.drive() for servo in self.servos}
 
     def feel(self, felt: Mapping[int, ServoFelt], supply_v: float, now: float) -> None:
-        """Take in where the world has the servos, and the voltage of their supply."""
+        """Set the servos' positions in the world, and the voltage of their supply."""
         for servo in self.servos:
             if servo.number in felt:
                 servo.feel(felt[servo.number], now)
@@ -128,7 +128,7 @@ class MainBoard:
             self.faults = self._faults
 
     def press(self, slot: int, now: float) -> bool:
-        """Press a button of the remote control; say whether it begins a motion."""
+        """Press a button of the remote control; return whether it begins a motion."""
         self._until(now)
         if self._mode == "off" or self.playing is not None:
             return False
@@ -213,7 +213,7 @@ class MainBoard:
         self.playing = self._player = None
 
     def _until(self, now: float) -> None:
-        """Do all that time brings until now."""
+        """Do everything that is due until now."""
         while self._player is not None and self._player.next_at <= now:
             self._on_the_way(self._player)
         if self._taken_at is not None and self._taken_at <= now:

@@ -1,4 +1,4 @@
-"""The motions that an emulated main board keeps: the format of `firmware.json`, and how they are played.
+"""The stored motions of an emulated main board: the format of `firmware.json`, and their play.
 
 The file is one object, from the number of a slot to its programme:
 
@@ -18,7 +18,7 @@ import msgspec
 from msgspec import Meta, Struct
 
 FRAME_S = 0.02
-"""The pace at which the main board sends its servos a place on the way."""
+"""The period at which the main board sends its servos a position on the way."""
 
 Count = Annotated[float, Meta(ge=1, le=254, description="nominal counts; 127 is the middle of a servo's range")]
 Digits = Annotated[str, Meta(pattern="^[0-9]{1,2}$(?!\\n)", description="a servo's id")]
@@ -45,7 +45,7 @@ class Frame(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Programme(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A motion of the main board: its frames in order, from wherever the servos are.
+    """A motion of the main board: its frames in order, from any position of the servos.
 
     A servo that it never names stays, limp or held. `limp`: all are released at its end. `figures`: frames that may be
     played again.
@@ -65,7 +65,7 @@ class Programme(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
             raise ValueError("a figure consists of frames with counts, not of figures")
 
     def played(self) -> Iterator[Frame]:
-        """Yield the frames one after the other, figures written out."""
+        """Yield the frames one after the other, with figures expanded."""
         for frame in self.frames:
             if frame.figure:
                 for _ in range(frame.times):
@@ -75,11 +75,11 @@ class Programme(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     @property
     def duration_s(self) -> float:
-        """Return how long it takes."""
+        """Return its duration."""
         return sum(frame.duration_s for frame in self.played())
 
     def ends_at(self) -> dict[int, float]:
-        """Return the counts in which it leaves the servos, by id."""
+        """Return the counts of the servos at its end, by id."""
         counts: dict[int, float] = {}
         for frame in self.played():
             counts |= frame.servos()
@@ -87,7 +87,7 @@ class Programme(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Way(Struct, frozen=True):
-    """The next order for servos: counts by id, how long the way takes, and at which level."""
+    """The next order for servos: counts by id, the time of the way, and the level."""
 
     counts: dict[int, float]
     duration_s: float
@@ -95,7 +95,7 @@ class Way(Struct, frozen=True):
 
 
 class Player:
-    """A programme under way, from its start on; it begins with the servos where they are."""
+    """A programme in progress; it begins with the servos at their present positions."""
 
     def __init__(self, programme: Programme, counts: Mapping[int, float], now: float) -> None:
         self.programme = programme
@@ -113,7 +113,7 @@ class Player:
         return self._frame is None
 
     def step(self) -> Way:
-        """Return what is due at `next_at`, and put that on by the time it takes."""
+        """Return the order due at `next_at`, and advance that by its time."""
         frame = self._frame
         assert frame is not None
         until = min(self.next_at + FRAME_S, self._begun + frame.duration_s)

@@ -1,7 +1,7 @@
 """The bytes on a main board's line, decoded: its own frames, and packets for the servos behind it.
 
 A servo packet is `FF b1 ... sum`; FF in the middle of one begins another. Frames and servo packets may follow each
-other in any order; a pause within one makes the main board forget it.
+other in any order; a pause within one makes the main board discard it.
 """
 
 from functools import reduce
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 PREAMBLE = bytes.fromhex("FFFFAA55AA5537BA")
 GAP_S = 0.1
-"""A longer pause within a packet ends it."""
+"""The longest pause within a packet."""
 
 MOST_CONTENTS = 64
 EXTENDED = frozenset({0xC8, 0xAD, 0xAE, 0xAF, 0xB5, 0xB6})
@@ -22,8 +22,7 @@ _CONFIGURE = 7
 
 
 class Frame(NamedTuple):
-    """A frame for the main board; `end` counts the bytes of the newest piece up to its end. Not sound: its sum is
-    wrong."""
+    """A frame for the main board; `end` is its end in the bytes of the newest piece. `sound`: its sum is right."""
 
     type: int
     platform: int
@@ -33,7 +32,7 @@ class Frame(NamedTuple):
 
 
 class Packet(NamedTuple):
-    """A packet for servos, as `Frame`; `data` is all between FF and the sum."""
+    """A packet for servos, as `Frame`; `data` is everything between FF and the sum."""
 
     data: bytes
     sound: bool
@@ -41,7 +40,7 @@ class Packet(NamedTuple):
 
     @property
     def mode(self) -> int:
-        """The upper three bits: a torque level, or what else it is."""
+        """The upper three bits: a torque level, or the type of another packet."""
         return self.data[0] >> 5
 
     @property
@@ -51,21 +50,21 @@ class Packet(NamedTuple):
 
 
 class Reader:
-    """Finds frames and packets in bytes that come in any pieces; what belongs to neither is skipped."""
+    """Finds frames and packets in bytes of any pieces; bytes that belong to neither are skipped."""
 
     def __init__(self) -> None:
         self._buffer = b""
-        self._heard_at = 0.0
+        self._received_at = 0.0
 
     def forget(self) -> None:
-        """Lose what has begun."""
+        """Discard the unfinished bytes."""
         self._buffer = b""
 
     def feed(self, data: bytes, now: float) -> list[Frame | Packet]:
-        """Take bytes; return what is complete."""
-        if now - self._heard_at > GAP_S:
+        """Add bytes; return the complete packets."""
+        if now - self._received_at > GAP_S:
             self.forget()
-        self._heard_at = now
+        self._received_at = now
         before, self._buffer = len(self._buffer), self._buffer + data
         packets: list[Frame | Packet] = []
         at = self._buffer.find(0xFF)
@@ -87,7 +86,7 @@ def framed(kind: int, platform: int, contents: bytes) -> bytes:
 
 
 def _size(view: bytes) -> int | None:
-    """Return how long what begins here is; 0: nothing does; None: that is not known yet, or it is not complete."""
+    """Return the size of the packet that begins here; 0 without one; None while it is unknown or incomplete."""
     if len(view) < 2:
         return None
     if view[1] == 0xFF:

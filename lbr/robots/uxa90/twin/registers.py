@@ -1,5 +1,4 @@
-"""The registers of a SAM servo, and the configuration packets that write and read them; after the wCK, whose protocol
-it shares."""
+"""The registers of a SAM servo, and the configuration packets that write and read them, by the wCK's protocol."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -24,7 +23,7 @@ Allowed = range | tuple[int, ...]
 
 
 class _Write(NamedTuple):
-    """Which registers a packet's two bytes set; the same one twice: both bytes must agree."""
+    """The registers that a packet's two bytes set; the same one twice: both bytes must agree."""
 
     first: str
     second: str
@@ -61,7 +60,7 @@ _READS: Mapping[int, tuple[str, str]] = {
 
 
 class Registers:
-    """One servo's registers by name: those in use, and those that it finds again at power-up."""
+    """One servo's registers by name: the current values, and the saved ones, which are restored at power-up."""
 
     def __init__(self, number: int) -> None:
         p, d, i = _GAINS.get(number, _OTHER_GAINS)
@@ -73,11 +72,11 @@ class Registers:
         return self._used[name]
 
     def boot(self) -> None:
-        """Forget what was not saved."""
+        """Restore the saved values."""
         self._used = dict(self._saved)
 
     def execute(self, command: int, first: int, second: int) -> bytes | None:
-        """Do what a packet says; return its answer, None for none: it was unknown, not allowed, or has none."""
+        """Execute a packet; return its answer, None if it is unknown, not allowed, or unanswered."""
         if (read := _READS.get(command)) is not None:
             return bytes(self._used[name] for name in read)
         write = _WRITES.get(command)

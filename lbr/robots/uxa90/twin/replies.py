@@ -7,7 +7,7 @@ from lbr.simulation.wire import Babble, Outbox, flip_one_bit, strikes
 
 
 class Replies:
-    """Bytes on their way to the host, in the order in which they were said; `faults` may be set at any time."""
+    """Bytes on their way to the host, in their order; `faults` may be set at any time."""
 
     def __init__(self, faults: Uxa90Faults, seed: int, byte_s: float) -> None:
         self.faults = faults
@@ -16,12 +16,12 @@ class Replies:
         self._outbox = Outbox(byte_s)
 
     def frame(self, data: bytes, at: float) -> None:
-        """Say something of the main board's own from `at` on, as soon as the line is free."""
+        """Send a frame of the main board's own from `at` on, as soon as the line is free."""
         if not self.faults.silent:
             self._outbox.send(self._flipped(data), at + self.faults.late_s)
 
     def servo(self, data: bytes, at: float) -> None:
-        """Say what a servo answers from `at` on, as soon as the line is free."""
+        """Send a servo's answer from `at` on, as soon as the line is free."""
         faults = self.faults
         if faults.silent or faults.no_replies or strikes(faults.missing, self._random):
             return
@@ -32,22 +32,22 @@ class Replies:
         self._outbox.send(self._flipped(data), at + faults.late_s)
 
     def due(self, now: float) -> bytes:
-        """Take what has crossed the line so far."""
+        """Return the bytes that have crossed the line so far."""
         if self.faults.babble and (babble := self._babble.due(now)):
             self._outbox.send(babble, now)
         return self._outbox.due(now)
 
     def next_due(self) -> float | None:
-        """Return when the next bytes will have crossed; None: nothing is on its way."""
+        """Return when the next bytes will have crossed; None without any."""
         dues = (self._outbox.next_due(), self._babble.next_at if self.faults.babble else None)
         return min((at for at in dues if at is not None), default=None)
 
     def jitter(self, most_s: float) -> float:
-        """Return some time up to the most."""
+        """Return a random time up to the most."""
         return self._random.uniform(0.0, most_s)
 
     def clear(self) -> None:
-        """Lose everything under way."""
+        """Discard all bytes on their way."""
         self._outbox.clear()
 
     def _flipped(self, data: bytes) -> bytes:

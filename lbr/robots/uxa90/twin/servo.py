@@ -1,8 +1,7 @@
-"""An emulated SAM servo: what it is told, what it answers, and what that makes of its motor.
+"""An emulated SAM servo: its packets, its answers, and the state of its motor.
 
 Speeds and stiffness at a torque level are guesses: no data sheet of these servos was found. Positions are the main
-board's nominal counts; the fine ones of 14 bits are the servo's own, which the main board does not correct by its
-zeros.
+board's nominal counts. The fine ones of 14 bits are the servo's own, without the main board's correction by zeros.
 """
 
 from collections.abc import Mapping
@@ -16,7 +15,7 @@ COUNT_RAD = radians(269.0 / 254.0)
 MIDDLE = 127
 NO_LOAD_RPS = radians(400.0)
 NOMINAL_ZEROS: Mapping[int, int] = {4: 48, 5: 206, 12: 80, 13: 174, 14: 137, 15: 117, 18: 206, 19: 48}
-"""Where the factory has a servo's zero, if it is not the middle of its range."""
+"""The factory's zero of a servo, if it is not the middle of its range."""
 
 _FINE_RAD = radians(333.0 / 4096.0)
 _FINE_MIDDLE = 2048
@@ -27,14 +26,15 @@ _MOST_SPEED = 30
 _DEADBAND_RAD = COUNT_RAD / 4
 _SLOPE_RAD = 0.12
 _SLOPE_GAIN = 40
-"""A servo gives all it has that far off its goal, half of that with this proportional gain, and less with more."""
+"""The distance from its goal at which a servo gives its full torque: half of it at this proportional gain, less with
+more."""
 
 _LIMP = ServoDrive()
 _BRAKE = ServoDrive(brake=True)
 
 
 class SamServo:
-    """One servo from power-up on; `number` is where it sits in the body, `registers` keep the id it answers to.
+    """One servo from power-up on; `number` is its place in the body, `registers` have its id on the line.
 
     Without a world that moves it, it turns by itself, beginning at `counts`.
     """
@@ -56,10 +56,10 @@ class SamServo:
         self._at: float | None = None
         self._drive: ServoDrive | None = None
 
-    # What it is told.
+    # Its orders.
 
     def power(self, *, on: bool) -> None:
-        """Give or take its supply; without it forgets all that is not saved, and is limp."""
+        """Switch its supply; without it the servo is limp, and loses all values that are not saved."""
         if on == self._powered:
             return
         self._powered = on
@@ -67,12 +67,12 @@ class SamServo:
         self.release()
 
     def move(self, counts: float, level: int, over_s: float | None = None) -> None:
-        """Go to a place, within its bounds; in a given time, if that is slower than the level's speed."""
+        """Go to a position within its bounds; in a given time, if that is slower than the level's speed."""
         goal = as_rad(min(max(counts, self.registers["lower"]), self.registers["upper"]))
         self._head_for(goal, level, abs(goal - self.meant_rad) / over_s if over_s else None)
 
     def move_fine(self, fine: int) -> None:
-        """Go to a place of 14 bits, with the torque that it has, or all if it had none."""
+        """Go to a position of 14 bits, with its present torque, or full torque if it had none."""
         own = (min(fine, _FINE_MOST) - _FINE_MIDDLE) * _FINE_RAD
         self._head_for(own - (self.zero - self._nominal) * COUNT_RAD, self._level or 0, None)
 
@@ -85,23 +85,23 @@ class SamServo:
         self._level, self._braked, self._drive = None, True, None
 
     def hold(self) -> None:
-        """Stay where it was last told to be, if it was."""
+        """Stay at the last commanded position, if there is one."""
         if self._level is not None:
             self._way_rps, self._drive = None, None
 
     def configure(self, command: int, first: int, second: int) -> bytes | None:
-        """Do what a configuration packet says; return its answer, None for none."""
+        """Execute a configuration packet; return its answer, or None."""
         answer = self.registers.execute(command, first, second)
         self._drive = None
         return answer
 
     def suffer(self, *, stuck: bool = False, frozen: bool = False) -> None:
-        """Make it turn no more, or report the same for ever."""
+        """Set its faults: it no longer turns, or repeats its last report."""
         self._stuck_rad = (self.felt.position_rad if self._stuck_rad is None else self._stuck_rad) if stuck else None
         self._frozen = (self._frozen or self.felt) if frozen else None
         self._drive = None
 
-    # What it says.
+    # Its reports.
 
     @property
     def powered(self) -> bool:
@@ -110,17 +110,17 @@ class SamServo:
 
     @property
     def driven(self) -> bool:
-        """Return whether it heads for a goal or holds one."""
+        """Return whether it moves to a goal or holds one."""
         return self._level is not None
 
     @property
     def meant_rad(self) -> float:
-        """Return where it is told to be, or where it is if it is not told."""
+        """Return its commanded position, or the measured one without a command."""
         return self.felt.position_rad if self._level is None else self._goal_rad
 
     @property
     def counts(self) -> float:
-        """Return where it is told to be, or where it is, in nominal counts."""
+        """Return its commanded or measured position, in nominal counts."""
         return as_counts(self.meant_rad)
 
     def load(self) -> int:
@@ -136,16 +136,16 @@ class SamServo:
         own = self._reported.position_rad + (self.zero - self._nominal) * COUNT_RAD
         return min(_FINE_MOST, max(0, round(own / _FINE_RAD) + _FINE_MIDDLE))
 
-    # What it does.
+    # Its motor.
 
     def drive(self) -> ServoDrive:
-        """Return what its motor does; the same object until something has changed."""
+        """Return the state of its motor; the same object until something has changed."""
         if self._drive is None:
             self._drive = self._meant()
         return self._drive
 
     def feel(self, felt: ServoFelt, now: float) -> None:
-        """Take in where the world has it; from then on it does not turn by itself."""
+        """Set its state in the world; from then on it does not turn by itself."""
         self._by_itself = False
         self.felt, self._at = felt, now
 

@@ -1,4 +1,4 @@
-"""The servos' line behind the main board: who a packet is for, and when the answer comes."""
+"""The servos' line behind the main board: the addressees of a packet, and the time of their answers."""
 
 from collections.abc import Sequence
 
@@ -24,7 +24,7 @@ class ServoLine:
         self._replies = replies
 
     def take(self, packet: Packet, at: float) -> None:
-        """Do what a sound packet says that was over `at`."""
+        """Execute a valid packet that ended `at`."""
         if packet.mode == _CONFIGURE:
             self._configure(packet, at)
         elif packet.mode == _OTHER and packet.id == _ALL:
@@ -35,7 +35,7 @@ class ServoLine:
                 self._answer(_operate(servo, packet), at)
 
     def _brake(self, at: float) -> None:
-        alive = [servo for servo in self._servos if _hears(servo)]
+        alive = [servo for servo in self._servos if _receives(servo)]
         for servo in alive:
             servo.brake()
         if alive:
@@ -57,7 +57,7 @@ class ServoLine:
                 self._answer(servo.configure(command, rest[0], rest[1]), at + later_s)
 
     def _addressed(self, number: int) -> list[SamServo]:
-        return [servo for servo in self._servos if servo.registers["id"] == number and _hears(servo)]
+        return [servo for servo in self._servos if servo.registers["id"] == number and _receives(servo)]
 
     def _answer(self, data: bytes | None, at: float) -> None:
         if data is not None:
@@ -66,7 +66,7 @@ class ServoLine:
 
 
 def _operate(servo: SamServo, packet: Packet) -> bytes | None:
-    """Do what a packet of two bytes says; return the answer: as of before it moves."""
+    """Execute a packet of two bytes; return the answer, with the values before the move."""
     second = packet.data[1]
     if packet.mode == _OTHER:
         if second != _PASSIVE:
@@ -78,5 +78,5 @@ def _operate(servo: SamServo, packet: Packet) -> bytes | None:
     return bytes((servo.load(), servo.position()))
 
 
-def _hears(servo: SamServo) -> bool:
+def _receives(servo: SamServo) -> bool:
     return servo.powered and servo.registers["baud"] == BAUD_115200

@@ -14,8 +14,9 @@ from lbr.simulation.twins.line import LineTwin
 class Uxa90Twin(LineTwin[Uxa90Faults]):
     """Moves a body's joints, and measures them; without a body its servos turn by themselves, carrying nothing.
 
-    Its trace has lines of `monotonic_ns` and one of: `read HEX`, what came as one piece; `said HEX`; `mode`, then
-    `off`, `normal` or `pc`, then the slot of the motion that plays, or 0; `plugged` and `unplugged`.
+    Its trace has lines of `monotonic_ns` and one of the following. `read HEX`: one piece of input. `said HEX`: output.
+    `mode`, then `off`, `normal` or `pc`, then the slot of the current motion, or 0. `plugged` and `unplugged`: the
+    cable.
     """
 
     def __init__(self, device: Device, around: Surroundings) -> None:
@@ -31,7 +32,7 @@ class Uxa90Twin(LineTwin[Uxa90Faults]):
         self._trace.write(now, "plugged" if self.port.plugged else "unplugged")
 
     def hear(self, data: bytes, now: float) -> bytes:
-        """Take bytes at the rate that the host has set; return what has crossed the line back."""
+        """Receive bytes at the host's rate; return the bytes that have crossed the line back."""
         if data:
             self._trace.write(now, f"read {data.hex()}")
         answers = self.board.feed(data, now, self.port.baud()) if data else self.board.poll(now)
@@ -45,7 +46,7 @@ class Uxa90Twin(LineTwin[Uxa90Faults]):
             super().say(data, now)
 
     def sense(self, sensed: Sensed) -> None:
-        """Measure how it is held; its servos feel each step of the world."""
+        """Set the measured acceleration; its servos get each step of the world."""
         self.board.imu = sensed.imu
 
     def drives(self, now: float) -> Mapping[int, ServoDrive]:
@@ -53,11 +54,11 @@ class Uxa90Twin(LineTwin[Uxa90Faults]):
         return self.board.drives(now)
 
     def feel_servos(self, felt: Mapping[int, ServoFelt], supply_v: float, now: float) -> None:
-        """Take in where the world has the servos, and the voltage of their supply."""
+        """Set the servos' positions in the world, and the voltage of their supply."""
         self.board.feel(felt, supply_v, now)
 
     def close(self) -> None:
-        """Pull it out, and end the trace."""
+        """Unplug it, and end the trace."""
         super().close()
         self._trace.close()
 
