@@ -1,4 +1,4 @@
-"""The door to other machines: a router of its own, with tokens, and a relay that marks what commands motion."""
+"""The door to other machines: a router of its own, with tokens, and a relay for messages that may move the robot."""
 
 from lbr.component import Component
 

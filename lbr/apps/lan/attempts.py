@@ -1,8 +1,7 @@
-"""Connections that showed a wrong token: counted, reported and slowed down by their host. Pure.
+"""Connections with a wrong token: counted, reported and slowed down by their host. Pure.
 
-The bus library says in its log whom it let in, and that a user or a password was wrong; which connection was wrong it
-does not say. The oldest that is still being looked at is blamed: a host that is blamed wrongly loses some seconds at
-its next connection, and nothing of what it has.
+The bus library logs whom it admitted, and that a user or password was wrong, but not on which connection. The oldest
+pending connection is blamed. A host that is blamed wrongly loses some seconds at its next connection, and nothing else.
 """
 
 import re
@@ -14,7 +13,7 @@ FREE_TRIES = 5
 WINDOW_S = 60.0
 FIRST_WAIT_S, LONGEST_WAIT_S = 1.0, 30.0
 PENDING_S = 3.0
-"""As long as the router waits for a connection to say who it is."""
+"""The time that the router gives a connection to authenticate."""
 MOST_PENDING = 512
 MOST_HOSTS = 256
 TELL_S = 10.0
@@ -26,7 +25,7 @@ _REFUSED = re.compile(r"Invalid (user|password)\b")
 
 
 class Refusal(Struct, frozen=True, kw_only=True):
-    """A host showed a wrong token: how often within a minute, and how long its next connections wait."""
+    """A wrong token of a host: how often within a minute, and how long its next connections wait."""
 
     host: str
     tries: int
@@ -35,7 +34,7 @@ class Refusal(Struct, frozen=True, kw_only=True):
 
     @property
     def text(self) -> str:
-        """Say it in one sentence."""
+        """Return it as one sentence."""
         what = "an unknown name" if self.unknown_name else "a wrong secret"
         often = f"; tries within a minute: {self.tries}" if self.tries > 1 else ""
         wait = f"; its next connections wait {self.wait_s:g} s" if self.wait_s else ""
@@ -50,7 +49,7 @@ class _Host(Struct):
 
 
 class Attempts:
-    """Says who may be looked at now, and learns from the library's lines what came of it."""
+    """Decides which connections the router may read now, and reads the results in the library's log."""
 
     def __init__(self) -> None:
         self.refused = 0
@@ -58,7 +57,7 @@ class Attempts:
         self._hosts: OrderedDict[str, _Host] = OrderedDict()
 
     def knock(self, address: str, now: float) -> bool:
-        """Return whether the router may look at a new connection now."""
+        """Return whether the router may read a new connection now."""
         host = self._hosts.get(host_of(address))
         if host is not None and now < host.until_s:
             return False
@@ -67,7 +66,7 @@ class Attempts:
         return True
 
     def read(self, line: str, now: float) -> Refusal | None:
-        """Read a line of the log; a host that has to wait is reported once in ten seconds at most."""
+        """Read a line of the log; a host that has to wait is reported at most once in ten seconds."""
         line = _COLOURS.sub("", line)
         if match := _LET_IN.search(line):
             self._pending.pop(match[1], None)
@@ -97,7 +96,7 @@ class Attempts:
         return Refusal(host=name, tries=len(host.tries), wait_s=host.wait_s, unknown_name=unknown_name)
 
     def _forget(self, now: float) -> None:
-        """Forget connections without an answer in time: the router has ended them."""
+        """Forget connections without a result in time, which the router has ended."""
         while self._pending and (
             len(self._pending) > MOST_PENDING or now - next(iter(self._pending.values())) > PENDING_S
         ):
@@ -105,5 +104,5 @@ class Attempts:
 
 
 def host_of(address: str) -> str:
-    """Return the host of `address:port`, an IPv4 address in IPv6's clothes as itself."""
+    """Return the host of `address:port`; an IPv4-mapped IPv6 address as IPv4."""
     return address.rpartition(":")[0].strip("[]").removeprefix("::ffff:")

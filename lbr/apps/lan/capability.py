@@ -1,4 +1,4 @@
-"""The door as a process: opens its router, checks that it routes, and reports clients that come and go."""
+"""The door as a process: opens its router, checks that it routes, and reports its clients."""
 
 import secrets
 import time
@@ -26,16 +26,18 @@ from lbr.errors import BusError, DeviceError
 ROUTES_WITHIN_S = 1.0
 ASK_AGAIN_S = 0.02
 STUCK_ROUNDS = 30
-"""The rounds of the main loop, ten a second, in which another thread did none: a machine that is too busy for the one
-is so for the other."""
+"""The rounds of the main loop, ten a second, without one of another thread. A busy machine delays both alike."""
 ASKED_S = 1.0
 
 
 class Lan(Capability[LanSettings]):
-    """Raises DeviceError while it cannot listen; any other trouble ends the process, and the next one begins afresh."""
+    """The door.
+
+    Raises DeviceError if it cannot listen; any other trouble ends the process, and the next one starts afresh.
+    """
 
     rate_hz = 10.0
-    ctx: ProcessContext  # only the process's own knows how to listen
+    ctx: ProcessContext  # only the process's own context has the door's configuration
 
     def __init__(self, ctx: ProcessContext) -> None:
         super().__init__(ctx)
@@ -50,7 +52,7 @@ class Lan(Capability[LanSettings]):
         self._doorman = Doorman(LibraryLog(ACCEPTED), ctx.clock)
 
     def open(self) -> None:
-        """Listen, and serve what the relay passes on."""
+        """Listen, and start the relay."""
         password = secrets.token_hex(16)
         router = self._open_router(password)
         self._doorman.watch(frozenset(int(endpoint.rpartition(":")[2]) for endpoint in self._lan.listen))
@@ -81,7 +83,7 @@ class Lan(Capability[LanSettings]):
         self._report_unproven()
 
     def step(self) -> None:
-        """Tell what happened; end if messages do not pass."""
+        """Report events; end the process if messages do not pass."""
         refused = self._doorman.refused
         self.ctx.ready(self._says + (f", wrong tokens: {refused}" if refused else ""))
         for refusal in self._doorman.take():
@@ -94,7 +96,7 @@ class Lan(Capability[LanSettings]):
         self._check()
 
     def close(self) -> None:
-        """Let no more clients in."""
+        """Close the door."""
         self._doorman.close()
         if self._relay is not None:
             self._relay.close()
@@ -135,7 +137,7 @@ class Lan(Capability[LanSettings]):
         return opened
 
     def _wait_until_it_routes(self, inside: Session) -> None:
-        """A router just hung on the robot's needs a tenth of a second; one that never routes is to be reopened."""
+        """Wait for a new router, which needs a tenth of a second to route; raise BusError for one that never does."""
         end = time.monotonic() + ROUTES_WITHIN_S
         status = keys.status(self.ctx.robot)
         while not wire.ask(inside, status, None, source=self.ctx.name, timeout_s=0.3):
@@ -144,15 +146,18 @@ class Lan(Capability[LanSettings]):
             time.sleep(ASK_AGAIN_S)
 
     def _subscribe_streams(self) -> None:
-        """While clients are connected, subscribe to each stream of the robot's rows: of a client's other subscriptions,
-        such as a wildcard, only the door hears, so that no number of declarations holds up the robot's own router."""
+        """Subscribe to each stream of the robot's rows while clients are connected.
+
+        A client's other subscriptions, such as wildcards, reach only the door, so they cannot burden the robot's own
+        router.
+        """
         if self._clients and not self._streams:
             self._streams = [wire.PolledSubscription(self._router, key) for key in self._lan.subscribed]
         while self._streams and not self._clients:
             self._streams.pop().close()
 
     def _check(self) -> None:
-        """The robot's status comes every second on both sides of the door, and the relay goes round."""
+        """Check that the robot's statuses come on both sides of the door, and that all threads run."""
         self._passage.count_statuses(outside=bool(self._outer.take()), inside=bool(self._inner.take()))
         if self._question is not None and (self._question.replies or self._question.done):
             self._passage.asked(answered=bool(self._question.replies))
@@ -185,5 +190,5 @@ class Lan(Capability[LanSettings]):
 
 
 def _proven(lan: LanConfig) -> dict[str, LanUser]:
-    """Return the users whose secret fits the hash in their row."""
+    """Return the users whose secret fits their row's hash."""
     return {user.name: user for user in lan.users if tokens.fits(user.secret, user.hash)}

@@ -1,11 +1,11 @@
-"""Looks at each new connection before the bus library may read it: hosts that showed wrong tokens wait.
+"""Holds each new connection before the bus library may read it: hosts with wrong tokens wait.
 
-    accepted, held ──► welcome: released ──► the library looks at the token ──► its log: let in, or refused
+    accepted, held ──► welcome: released ──► the library reads the token ──► its log: admitted, or refused
                   └──► its host has to wait: released later, or ended
 
-The library accepts and refuses by itself without asking. So its listening sockets want a mebibyte before a connection
-counts as readable (socket(7), SO_RCVLOWAT, which connections inherit); a released connection wants a byte. A message
-that was let in never passes here again. A thread of its own does this, within a millisecond of the connection.
+The library accepts connections without asking. So its listening sockets need a mebibyte before a connection counts as
+readable (socket(7), SO_RCVLOWAT, which connections inherit). For a released connection a byte is enough; an admitted
+message never passes here again. A thread of its own does this within a millisecond of the connection.
 """
 
 import os
@@ -20,14 +20,14 @@ from lbr.bus.library_log import LibraryLog
 
 HELD_BYTES = 1 << 20
 POLL_S = 0.05
-"""The longest that a new connection waits to be looked at; a look takes a fifth of a millisecond."""
+"""The longest that a new connection waits to be checked; a check takes a fifth of a millisecond."""
 MOST_HELD = 4
-"""Connections of one host that wait at once; more are ended."""
+"""The most waiting connections of one host; further ones are ended."""
 MOST_REFUSALS = 64
 
 
 class Doorman:
-    """Works from `watch` to `close`; `take` returns what it has to tell, `rounds` counts what it did."""
+    """Works from `watch` to `close`; `take` returns its reports, `rounds` counts its rounds."""
 
     def __init__(self, library: LibraryLog, clock: Callable[[], float]) -> None:
         self.rounds = 0
@@ -40,11 +40,11 @@ class Doorman:
 
     @property
     def refused(self) -> int:
-        """Return how many wrong tokens were shown in all."""
+        """Return the number of wrong tokens in all."""
         return self._attempts.refused
 
     def watch(self, ports: frozenset[int]) -> None:
-        """Hold what comes to our listening sockets at these ports, and begin to let it in."""
+        """Hold new connections of this process's listening sockets at these ports, and start admitting them."""
         for listening in _sockets():
             if listening.getsockopt(socket.SOL_SOCKET, socket.SO_ACCEPTCONN) and listening.getsockname()[1] in ports:
                 listening.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, HELD_BYTES)
@@ -56,7 +56,7 @@ class Doorman:
         return [self._refusals.popleft() for _ in range(len(self._refusals))]
 
     def close(self) -> None:
-        """Let no more clients in."""
+        """Stop admitting connections."""
         self._closing = True
         if self._thread.is_alive():
             self._thread.join(2 * POLL_S)
@@ -77,7 +77,7 @@ class Doorman:
                 continue
             try:
                 address = _written(connection.getpeername())
-            except OSError:  # it listens, or is gone
+            except OSError:  # it listens, or is closed
                 continue
             if self._attempts.knock(address, now):
                 connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, 1)
@@ -88,13 +88,13 @@ class Doorman:
 
 
 def _sockets() -> Iterator[socket.socket]:
-    """Yield this process's TCP sockets, whichever library opened them; each is good until the next."""
+    """Yield this process's TCP sockets, of any library; each is valid until the next."""
     for name in os.listdir("/proc/self/fd"):  # noqa: PTH208 - names are all that is wanted
         try:
             if not stat.S_ISSOCK(os.fstat(int(name)).st_mode):
                 continue
             tcp = socket.socket(fileno=os.dup(int(name)))
-        except OSError:  # it was closed meanwhile
+        except OSError:  # closed meanwhile
             continue
         with tcp:
             if tcp.family in {socket.AF_INET, socket.AF_INET6} and tcp.type == socket.SOCK_STREAM:
@@ -102,6 +102,6 @@ def _sockets() -> Iterator[socket.socket]:
 
 
 def _written(peer: tuple[str, int]) -> str:
-    """Return an address as the library writes it."""
+    """Return an address in the library's form."""
     host, port = peer[:2]
     return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"

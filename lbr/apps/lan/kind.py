@@ -16,7 +16,7 @@ class LanSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     listen: Annotated[tuple[Endpoint, ...], Meta(min_length=1, max_length=8)]
 
     def __post_init__(self) -> None:
-        """Refuse to talk to other machines in clear text."""
+        """Refuse clear text to other machines, and bad ports."""
         for endpoint in self.listen:
             protocol, _, place = endpoint.partition("/")
             host, _, port = place.rpartition(":")

@@ -1,29 +1,29 @@
-"""Tells whether messages still pass through the door and its threads go round. Pure; it counts rounds, not seconds.
+"""Checks that messages still pass through the door, and that its threads run. Pure; it counts rounds, not seconds.
 
-A machine that has no time for this process has none for what it hears either, so nothing is concluded from its silence.
+A machine too busy for this process is too busy for its messages as well, so silence on both sides proves nothing.
 """
 
 from msgspec import Struct
 
 DOUBTED_AFTER = 3
-"""The rate of the robot's statuses outside for all that came by another way than the door: one a second."""
+"""The statuses, one a second, that came from the robot and not through the door before a doubt."""
 BROKEN_AFTER = 3
 
 
 class Passage(Struct):
-    """A flood may lose statuses at the door, so a doubt is put as a question; several without an answer are a fault."""
+    """A flood may lose statuses at the door, so a doubt leads to a query; several unanswered queries are a fault."""
 
     missed: int = 0
     unanswered: int = 0
 
     @property
     def doubtful(self) -> bool:
-        """Return whether it is time to ask through the door."""
+        """Return whether to query through the door."""
         return self.missed >= DOUBTED_AFTER
 
     @property
     def broken(self) -> bool:
-        """Return whether nothing passes any more."""
+        """Return whether nothing passes through the door."""
         return self.unanswered >= BROKEN_AFTER
 
     def count_statuses(self, *, outside: bool, inside: bool) -> None:
@@ -34,7 +34,7 @@ class Passage(Struct):
             self.missed += 1
 
     def asked(self, *, answered: bool) -> None:
-        """Take in what became of a question."""
+        """Count the result of a query."""
         if answered:
             self.missed = self.unanswered = 0
         else:
@@ -42,13 +42,13 @@ class Passage(Struct):
 
 
 class Standstill:
-    """Counts for each thread how often in a row it was seen to have done nothing."""
+    """Counts, for each thread, the checks in a row without progress."""
 
     def __init__(self) -> None:
         self._seen: dict[str, tuple[int, int]] = {}
 
     def see(self, name: str, turns: int) -> int:
-        """Take in how many turns a thread has made; return how often in a row that was the same."""
+        """Note a thread's count of rounds; return how many checks in a row it was the same."""
         before, still = self._seen.get(name, (-1, 0))
         still = still + 1 if turns == before else 0
         self._seen[name] = turns, still

@@ -1,8 +1,7 @@
-"""Takes at the door what may begin motion or change something, and asks the robot for it, marked as from afar.
+"""Receives messages at the door that may move or change something, and sends them to the robot, marked as from afar.
 
-Messages of another machine may be old: a network that heals delivers those that it has held back. A sender that moves
-the robot must know that, so such messages never pass from router to router. Stops and emergency stops do, and never
-wait here.
+Messages of another machine may be old: a network that heals delivers delayed ones. Only the robot can judge that, so
+such messages never pass from router to router. Stops and emergency stops do, and never wait here.
 """
 
 import threading
@@ -27,7 +26,7 @@ POLL_S = 0.2
 
 
 class Lane:
-    """One key behind the door, and what is under way on it; `line` says that it takes console lines."""
+    """One key behind the door, with its requests under way; `line`: it is for console lines."""
 
     def __init__(
         self,
@@ -46,9 +45,9 @@ class Lane:
 
 
 class Relay:
-    """Works in a thread of its own, in which nothing waits; `turns` counts its rounds.
+    """Works in a thread of its own, in which nothing blocks; `turns` counts its rounds.
 
-    `secrets` are those of the tokens, by name; `refused(text)` hears what was too much.
+    `secrets` are the tokens' by name; `refused(text)` receives the reason of each refusal.
     """
 
     def __init__(
@@ -78,7 +77,7 @@ class Relay:
         self._thread.start()
 
     def close(self) -> None:
-        """Cease to take anything."""
+        """Stop."""
         self._closing = True
         self._wake.set()
         self._thread.join(POLL_S)
@@ -115,7 +114,7 @@ class Relay:
         lane.under_way.append((request, question))
 
     def _token(self, request: wire.Request) -> str:
-        """Return the token that a message's seal proves; empty if it proves none."""
+        """Return the token that a message's seal proves, or an empty string."""
         seal = stamp.read(request.attachment)
         secret = self._secrets.get(seal.token) if seal is not None else None
         proven = secret is not None and stamp.genuine(seal, request.payload, secret)

@@ -15,7 +15,7 @@ STOPS_HZ = 200.0
 
 
 def of_token(robot: str, lan: LanConfig, name: str, role: TokenRole) -> Rights:
-    """Return what a token's holder may do; one for a host looks, stops and takes the share of the host of its name."""
+    """Return the rights of a token; a host's token may look, stop, and take the share of the host of its name."""
     if role != "host":
         return of_role(robot, lan, role)
     rights = of_role(robot, lan, "view")
@@ -23,9 +23,9 @@ def of_token(robot: str, lan: LanConfig, name: str, role: TokenRole) -> Rights:
 
 
 def of_role(robot: str, lan: LanConfig, role: Role) -> Rights:
-    """Return what a role may do: everybody looks and stops; operators move; administrators do all there is.
+    """Return the rights of a role: everybody looks and stops, operators move, administrators do everything.
 
-    No role hears commands: they hold the lease of their sender, which is good for each client that quotes it.
+    No role receives commands: these contain the lease of their sender, which is valid for each client that quotes it.
     """
     allowed = commands(lan, role)
     return Rights(
@@ -38,7 +38,7 @@ def of_role(robot: str, lan: LanConfig, role: Role) -> Rights:
 
 
 def of_relay(robot: str, lan: LanConfig) -> Rights:
-    """Return what the relay does behind the door: it takes what may begin motion or change something."""
+    """Return the rights of the relay behind the door: it serves the messages that may move or change something."""
     return Rights(
         serve=(*lan.commands, *consoles(robot, "admin")),
         hear=(*lan.commands, keys.status(robot)),
@@ -47,12 +47,12 @@ def of_relay(robot: str, lan: LanConfig) -> Rights:
 
 
 def of_upstream(lan: LanConfig) -> Rights:
-    """Return what may come from the robot: all but others' commands, which the relay would take for new ones."""
+    """Return the rights of the robot's side: all but others' commands, which the relay would mistake for new ones."""
     return Rights(trusted=True, never_put=tuple(lan.commands))
 
 
 def limits(robot: str, lan: LanConfig) -> Limits:
-    """Return what one client may send: nothing large, and nothing more often than a robot can use it."""
+    """Return the limits of one client: nothing large, and nothing more often than a robot can use it."""
     stops = dict.fromkeys((*lan.stops, keys.estop(robot)), STOPS_HZ)
     return Limits(
         protocols=("tls", "tcp"),
@@ -64,12 +64,12 @@ def limits(robot: str, lan: LanConfig) -> Limits:
 
 
 def commands(lan: LanConfig, role: Role) -> tuple[str, ...]:
-    """Return the commands that a role may use: through the relay, or also from outside."""
+    """Return the commands of a role: through the relay, or directly."""
     return tuple(key for key, needed in (lan.commands | lan.theirs).items() if RANKS[needed] <= RANKS[role])
 
 
 def consoles(robot: str, role: Role) -> tuple[str, ...]:
-    """Return the keys that take a role's console lines, and for operators the one that resets the emergency stop."""
+    """Return the keys of a role's console lines, and for operators that of the emergency stop's reset."""
     own: tuple[Role, ...] = tuple(other for other, rank in RANKS.items() if rank <= RANKS[role])
     reset = (keys.estop_reset(robot),) if RANKS[role] >= RANKS["operate"] else ()
     return (*(keys.console(robot, other) for other in own), *reset)

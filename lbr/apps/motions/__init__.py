@@ -1,4 +1,4 @@
-"""What other programs kept of a robot becomes rows. Motions go to files, too, are drawn up anew, and checked for balance."""
+"""Imports the files of a robot's former programs as rows; imports, exports, builds and checks motions."""
 
 from lbr.component import CliCommand, Component
 

@@ -1,8 +1,7 @@
-"""MQTT as a capability: reports the robot's state to the broker, does the words that its row allows, and
-answers.
+"""MQTT as a capability: reports the robot's state to the broker, does the words that its row allows, and answers.
 
-Motion is borrowed by leases as by anyone, one goal at a time, and ends when this process does. It ends, too, when the
-broker is lost: the person who asked for it could not stop it any more.
+Motion is leased, one goal at a time, and ends with this process. It also ends when the broker is lost, as the person
+who requested it could not stop it any more.
 """
 
 from contextlib import suppress
@@ -37,21 +36,21 @@ ASK_S = 3.0
 PUBLISH_S = 1.0
 PUBLISH_NEWS_S = 0.25
 SETTLES_S = 1.2
-"""Values that come once a second have come by then: the first report is not empty."""
+"""The wait of the first report, by which every stream of 1 Hz has come."""
 LARGEST_ASK = 2048
 LONGEST_REASON = 200
 LONGEST_WORD = 40
 LONGEST_TOPIC = 200
 OLD_PICTURE_S = 2.0
 MOST_ASKED = 4
-"""Of a round, and of what waits for an answer: more at once is nobody who means it."""
+"""The most words in a round, and the most without an answer; nobody means more at once."""
 PORTS = {StopCommand: "stop_all", RunBehaviour: "run", SayCommand: "say"}
 STANDS_STILL = "the broker sends nothing back, so the person who asked could not stop this"
 NO_BROKER = "no broker is named: the setting 'host' of this row says where one is, and docs/outside.md how to have one"
 
 
 class Waiting(NamedTuple):
-    """The questions to others that wait for an answer."""
+    """A request of a word that waits for its answer."""
 
     ask: Ask
     by: str
@@ -59,7 +58,7 @@ class Waiting(NamedTuple):
 
 
 class Mqtt(Capability[MqttSettings]):
-    """Carries the robot's state to the broker, and words of the broker to the robot."""
+    """Reports the robot's state to the broker, and passes the broker's words to the robot."""
 
     woken_by_streams = False
 
@@ -91,12 +90,12 @@ class Mqtt(Capability[MqttSettings]):
 
     @property
     def _role(self) -> Role | None:
-        """The rights of the row's token; one for another machine is for nothing here."""
+        """The role of the row's token; None for a host's token."""
         token = next((row for row in self.ctx.rows(TokenRight) if row.name == self.ctx.settings.token), None)
         return token.role if token is not None and token.role != "host" else None
 
     def open(self) -> None:
-        """Begin to look for the broker."""
+        """Start the connection, if a broker is named."""
         self._report_from = self.ctx.clock() + SETTLES_S
         settings = self.ctx.settings
         if not settings.host:
@@ -147,7 +146,7 @@ class Mqtt(Capability[MqttSettings]):
 
     @property
     def _has_own_topics(self) -> bool:
-        """True if topics of its own are used: a shadow alone works with no rights to any other."""
+        """True if topics of its own are used: a shadow alone needs no rights to others."""
         return self.ctx.settings.home_assistant is not None or self.ctx.settings.shadow is None
 
     def _asked_on(self) -> tuple[str, ...]:
@@ -178,7 +177,7 @@ class Mqtt(Capability[MqttSettings]):
             self._publish_all(session)
 
     def _silence(self) -> str:
-        """Return why words are refused while the broker sends nothing back; empty if it does."""
+        """Return why words are refused while the broker echoes nothing; empty if it does."""
         if self._echo is None or not self._echo.stands_still(self.ctx.clock()) or self._session is None:
             return ""
         if self._session.count != self._count:
@@ -191,7 +190,7 @@ class Mqtt(Capability[MqttSettings]):
         return f"nothing comes back on {self._topic}/echo: {why}. Nothing but a stop is done meanwhile"
 
     def _listen_for_echo(self, session: Session, now: float) -> None:
-        """Have the broker send a word back now and then; what moves ends when it does not."""
+        """Send an echo word to the broker at intervals; end the motion without its return."""
         if self._echo is None or not session.connected:
             return
         if word := self._echo.word(now):
@@ -200,7 +199,7 @@ class Mqtt(Capability[MqttSettings]):
             self._end_motion(Reason("unreachable", STANDS_STILL))
 
     def _publish_all(self, session: Session) -> None:
-        """Publish all that a broker may have forgotten before this connection."""
+        """Publish everything that a broker may have lost since the last connection."""
         self._state, self._state_at = {}, -inf
         if self._echo is not None:
             self._echo.connected(self.ctx.clock())
@@ -225,7 +224,7 @@ class Mqtt(Capability[MqttSettings]):
     # Words.
 
     def _may_stop(self, message: Incoming) -> bool:
-        """Tell whether a message is a stop, or a shadow's, which may desire one; called on the connection's thread."""
+        """Return whether a message is or may contain a stop, as a shadow's may; called on the connection's thread."""
         if self._shadow is not None and message.topic.startswith(f"{self._shadow.root}/"):
             return True
         name = self._word_in(message.topic)
@@ -235,7 +234,7 @@ class Mqtt(Capability[MqttSettings]):
         return isinstance(self.ctx.settings.words.get(name), StopWord)
 
     def _word_in(self, topic: str) -> str:
-        """Return the word that a topic of our own names, if any."""
+        """Return the word in an own topic, or an empty string."""
         return topic.removeprefix(f"{self._topic}/ask").lstrip("/")
 
     def _handle(self, message: Incoming, now: float) -> None:
@@ -252,7 +251,7 @@ class Mqtt(Capability[MqttSettings]):
             self._complain(message.topic, str(err), err.code)
 
     def _serve(self, message: Incoming, now: float) -> None:
-        """Do a word that came on one of our own topics: the topic names it, or the message."""
+        """Do a word from an own topic; the topic names it, or the message."""
         name = self._word_in(message.topic)
         ask = Ask(word=name[:LONGEST_WORD])
         try:
@@ -266,7 +265,7 @@ class Mqtt(Capability[MqttSettings]):
             self._complain(message.topic, str(err), err.code, ask)
 
     def _desire(self, topic: str, asked: Desire) -> None:
-        """Do the desire of a shadow; each desire is answered, so that the shadow does not repeat it."""
+        """Do the desire of a shadow; each is answered, so that the shadow does not repeat it."""
         assert self._shadow is not None
         self._desired = self._shadow.done(asked.raw)
         ask = Ask(word="")
@@ -278,7 +277,7 @@ class Mqtt(Capability[MqttSettings]):
             self._complain(topic, str(err), err.code, ask)
 
     def _do(self, ask: Ask, topic: str, *, late: bool = False) -> None:
-        """Do a word; one that may be late is done only if it is a stop."""
+        """Do a word; one that may be late only if it is a stop."""
         self._asked += 1
         order = words.order(ask, self.ctx.settings.words, self._role)
         if isinstance(order, StopCommand):
@@ -341,14 +340,14 @@ class Mqtt(Capability[MqttSettings]):
                 self._reply(waiting.ask, "done", heard("done", text or "done"))
 
     def _complain(self, topic: str, text: str, code: str, ask: Ask | None = None) -> None:
-        """Refuse a message on a topic: at the console, and to listeners there."""
+        """Refuse a message: publish an event, and an answer to the broker."""
         self._refused += 1
         why = heard(code, f"{one_line(topic[:LONGEST_TOPIC])}: {text}")
         self.ctx.event("refused", why.text, level="warning", code=why.code, about=self.ctx.name)
         self._reply(ask or Ask(word=""), "refused", why)
 
     def _reply(self, ask: Ask, state: str, why: Reason) -> None:
-        """Note the last answer, which a shadow reports, and send it to listeners."""
+        """Store the last answer, which a shadow reports, and send it to the broker."""
         self._answer = {
             "word": one_line(ask.word),
             "id": ask.id,
@@ -379,7 +378,7 @@ class Mqtt(Capability[MqttSettings]):
             self._publish_picture(now)
 
     def _publish_picture(self, now: float) -> None:
-        """Send a picture, unless it is an old one."""
+        """Publish the newest picture, unless it is old."""
         frame = self.ctx.latest("frames")
         if frame is None or not frame.age_s(now) <= OLD_PICTURE_S or self._session is None:
             return
@@ -407,7 +406,7 @@ class Mqtt(Capability[MqttSettings]):
 
 
 def _refuse_unfit(message: Incoming) -> None:
-    """Refuse what is read no further: what is old, and what is too large."""
+    """Refuse retained messages, which may be old, and messages that are too large."""
     if message.retained:
         raise InputError("it was kept by the broker, and nobody knows for how long: ask without 'retain'", "late")
     if len(message.payload) > LARGEST_ASK:
@@ -415,8 +414,7 @@ def _refuse_unfit(message: Incoming) -> None:
 
 
 def _named(name: str, payload: bytes, word: words.Word | None) -> Ask:
-    """Return what a topic's own word asks for, with what comes in the message: a text, a number, or nothing to be
-    read."""
+    """Return the request of a topic's word, with the text or number in the message, if the word has one."""
     wanted = words.bounds(word) if word is not None else None
     if wanted is None:
         return Ask(word=name[:LONGEST_WORD])

@@ -1,4 +1,4 @@
-"""The document by which Home Assistant finds the robot by itself: one for the device and all that it has. Pure.
+"""The discovery document for Home Assistant: one for the device and all its entities. Pure.
 
 https://www.home-assistant.io/integrations/mqtt/#device-discovery-payload
 """
@@ -15,8 +15,7 @@ ICONS = {"stop": "mdi:stop-circle", "run": "mdi:robot", "say": "mdi:bullhorn", "
 def document(
     robot: str, name: str, topic: str, parts: Collection[str], words: Mapping[str, Word], *, picture: bool, version: str
 ) -> dict[str, object]:
-    """Return the device with its sensors, for the parts that are reported, and its buttons, for the words of its
-    row."""
+    """Return the device, with a sensor for each reported value and a control for each of the row's words."""
     sensors: dict[str, dict[str, object]] = {key: _known(topic, **sensor) for key, sensor in _sensors(parts).items()}
     components = {
         **sensors,
@@ -70,7 +69,7 @@ def _sensors(parts: Collection[str]) -> dict[str, dict[str, str]]:
 
 
 def _value(part: str, name: str = "") -> str:
-    """Return the expression of a value; it gives null while the value or its part is missing."""
+    """Return the template expression of a value, which is null while the value or its part is missing."""
     whole = f"value_json.get('{part}')"
     return f"({whole} or {{}}).get('{name}')" if name else whole
 
@@ -87,7 +86,7 @@ def _binary(name: str, value: str, **more: str) -> dict[str, str]:
 def _known(
     topic: str, *, name: str, value: str, template: str = "v", platform: str = "sensor", **more: str
 ) -> dict[str, object]:
-    """Return a sensor that is available while the robot is there and the value is known."""
+    """Return a sensor that is available while the robot is online and the value is known."""
     state, read = f"{topic}/state", f"{{% set v = {value} %}}"
     is_known = {"topic": state, "value_template": f"{read}{{{{ '{OFFLINE}' if v is none else '{ONLINE}' }}}}"}
     return {
@@ -102,7 +101,7 @@ def _known(
 
 
 def _asking(word_name: str, word: Word, topic: str) -> dict[str, object]:
-    """Return a button for a word that stands alone, and a field for one with which something comes."""
+    """Return a button for a word without a value, else an input field."""
     name, wanted = word_name.replace("_", " ").capitalize(), bounds(word)
     component = {"name": name, "command_topic": f"{topic}/ask/{word_name}"}
     if wanted is None:

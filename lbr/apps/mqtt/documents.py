@@ -1,5 +1,4 @@
-"""Reads the documents of an AWS IoT device shadow. Pure: any bytes become an
-answer or an InputError.
+"""Reads the documents of an AWS IoT device shadow. Pure: any bytes become an answer or an InputError.
 
 https://docs.aws.amazon.com/iot/latest/developerguide/device-shadow-document.html
 """
@@ -13,13 +12,15 @@ from lbr.errors import InputError
 from lbr.messages.unreadable import UNREADABLE, keyed_once
 
 LARGEST_BYTES = 64 * 1024
-"""A document has 8 kB, and its metadata is some times as long."""
+"""A document has 8 kB, and its metadata is several times as long."""
 MOST_VERSION = 2**53
 
 
 class Document(Struct, frozen=True, kw_only=True):
-    """A shadow of `get/accepted`. `ask` is the desired value of the key `ask`, and `age_s` for how long it has
-    been, by the service's own clock; None is not told."""
+    """A shadow in `get/accepted`. `ask` is the desired value of the key `ask`.
+
+    `age_s` is the age of that value by the service's own clock; None if unknown.
+    """
 
     version: int
     reported: dict[str, object]
@@ -28,8 +29,7 @@ class Document(Struct, frozen=True, kw_only=True):
 
 
 class Answer(Struct, frozen=True, kw_only=True):
-    """The answer of the service to an update or a get: `token` is that of the request, `code` the reason of a
-    rejection."""
+    """The service's answer to an update or get: `token` is the request's, `code` the reason of a rejection."""
 
     token: str = ""
     version: int | None = None
@@ -38,7 +38,7 @@ class Answer(Struct, frozen=True, kw_only=True):
 
 
 def read(payload: bytes) -> dict[str, object]:
-    """Return a JSON object."""
+    """Decode a JSON object."""
     if len(payload) > LARGEST_BYTES:
         raise InputError(f"it has {len(payload)} bytes, and a document {LARGEST_BYTES} at most", "malformed")
     try:
@@ -59,7 +59,7 @@ def version_of(fields: dict[str, object]) -> int:
 
 
 def document(fields: dict[str, object]) -> Document:
-    """Return the document of `get/accepted`."""
+    """Return the document in `get/accepted`."""
     state = _object(fields.get("state") or {}, "state")
     desired = _object(state.get("desired") or {}, "state.desired")
     reported = _object(state.get("reported") or {}, "state.reported")
@@ -89,7 +89,7 @@ def _object(value: object, what: str) -> dict[str, object]:
 
 
 def _age_s(fields: dict[str, object]) -> float | None:
-    """Return the age of the newest part of a desire: both times are the service's."""
+    """Return the age of the newest part of a desire; both times are the service's."""
     metadata = fields.get("metadata")
     desired = metadata.get("desired") if isinstance(metadata, dict) else None
     stamps = list(_stamps(desired.get("ask") if isinstance(desired, dict) else None))
@@ -100,7 +100,7 @@ def _age_s(fields: dict[str, object]) -> float | None:
 
 
 def _stamps(metadata: object) -> list[float]:
-    """Return all times in metadata, however deep: the reader of JSON has bounded that."""
+    """Return all times in metadata, at any depth, which the JSON decoder has bounded."""
     stamps, waiting = [], [metadata]
     while waiting:
         part = waiting.pop()

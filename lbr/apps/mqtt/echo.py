@@ -1,8 +1,7 @@
-"""The delay of a broker. A message there has no date, so a word of our own goes to the broker and back again and again.
-Pure.
+"""The delay of a broker, measured by words that it sends back, as its messages have no date. Pure.
 
-A broker that stood still hands over all at once what came meanwhile, ours and others', in any order. So it is late
-while our word is not back, and for a moment after one has come back late.
+A broker that stood still delivers all messages of that time at once, ours and others', in any order. So it counts as
+late while our word is missing, and for a moment after one has come back late.
 """
 
 import secrets
@@ -10,34 +9,34 @@ from math import inf
 
 EVERY_S = 1.0
 LATE_S = 2.0
-"""The asker of something is no longer where they stood; a broker on another continent takes a fifth of that."""
+"""By then a sender has moved on; a broker on another continent takes a fifth of that."""
 CALM_S = 2.0
-"""Messages of the same standstill are handed over by then, and a word that goes after it is back."""
+"""By then all messages of the same standstill are delivered, and a later word is back."""
 MOST_UNDER_WAY = 60
 
 
 class Echo:
-    """The words that are under way since the broker was reached last."""
+    """The words under way since the last connection."""
 
     def __init__(self) -> None:
         self._mark = ""
         self._number = 0
         self._sent: dict[str, float] = {}
         self._received_s = -inf
-        """When the newest word was sent that has come back."""
+        """The time at which the newest returned word was sent."""
         self._late_until = -inf
         self._next = -inf
         self.ever = False
-        """True once anything has come back since the broker was reached last."""
+        """True once a word has come back since the last connection."""
 
     def connected(self, now: float) -> None:
-        """Begin again: words of an earlier connection do not come back."""
+        """Start over, as words of an earlier connection do not come back."""
         self._mark, self._number, self._sent = secrets.token_hex(4), 0, {}
         self._received_s, self._late_until, self._next = now, -inf, now
         self.ever = False
 
     def word(self, now: float) -> str:
-        """Return what is to be sent now, or nothing."""
+        """Return the word to send now, or an empty string."""
         if now < self._next:
             return ""
         self._next = now + EVERY_S
@@ -49,7 +48,7 @@ class Echo:
         return word
 
     def receive(self, payload: bytes, now: float) -> None:
-        """Handle a message that came back; a foreign or repeated one counts for nothing."""
+        """Handle a returned message; foreign and repeated ones are ignored."""
         sent = self._sent.pop(payload.decode(errors="replace"), None)
         if sent is None:
             return
@@ -60,7 +59,7 @@ class Echo:
             self._late_until = now + CALM_S
 
     def late(self, now: float) -> bool:
-        """Return whether a message of now may be old."""
+        """Return whether a message received now may be old."""
         return self.stands_still(now) or now < self._late_until
 
     def stands_still(self, now: float) -> bool:

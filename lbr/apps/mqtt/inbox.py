@@ -1,4 +1,4 @@
-"""Messages that wait to be read, up to a bound: then the oldest is dropped, but never a stop for another message."""
+"""A bounded queue of messages: when it is full the oldest is dropped, but never a stop for another message."""
 
 import threading
 from collections.abc import Callable
@@ -8,7 +8,7 @@ T = TypeVar("T")
 
 
 class Inbox(Generic[T]):
-    """Filled by one thread and read by another, in the order in which messages came; `is_stop` must never raise."""
+    """One thread fills it and another reads it, in order of arrival; `is_stop` must never raise."""
 
     def __init__(self, most: int, is_stop: Callable[[T], bool]) -> None:
         self._most = most
@@ -28,11 +28,11 @@ class Inbox(Generic[T]):
             self._waiting.append((message, stops))
 
     def take(self) -> list[T]:
-        """Return all that waits."""
+        """Return and remove all messages."""
         with self._lock:
             found, self._waiting = self._waiting, []
         return [message for message, _ in found]
 
     def clear(self) -> None:
-        """Forget all that waits."""
+        """Remove all messages."""
         self.take()

@@ -32,14 +32,14 @@ Topic = Annotated[str, Meta(pattern=rf"^({_SEGMENT}(/{_SEGMENT}){{0,6}})?$(?!\n)
 
 
 class Shadow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A device shadow of AWS IoT: its thing and name; empty: the unnamed one."""
+    """A device shadow of AWS IoT: its thing and its name; empty: the unnamed one."""
 
     thing: Annotated[str, Meta(pattern=r"^[A-Za-z0-9:_-]{1,128}$(?!\n)")]
     name: Annotated[str, Meta(pattern=r"^[A-Za-z0-9:_-]{0,64}$(?!\n)")] = ""
 
 
 class HomeAssistant(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The discovery by Home Assistant; `picture_s`: how often it gets a picture of what is wired to `frames`."""
+    """The discovery by Home Assistant; `picture_s`: the period of pictures from `frames`."""
 
     prefix: Annotated[Topic, Meta(min_length=1)] = "homeassistant"
     name: Annotated[str, Meta(max_length=80, description="the robot's name; empty: its row's")] = ""
@@ -78,7 +78,7 @@ class MqttSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     home_assistant: HomeAssistant | None = None
 
     def __post_init__(self) -> None:
-        """Refuse what could not be meant, before anything is sent to anybody."""
+        """Refuse settings that contradict each other or cannot be meant, before anything is sent."""
         if self.host and re.fullmatch(r"[A-Za-z0-9]([A-Za-z0-9.:_-]*[A-Za-z0-9])?|::1", self.host) is None:
             raise ValueError(f"host: '{self.host}' is no name and no address of a machine")
         if self.host and not (self.tls or self.clear_text or is_local(self.host)):

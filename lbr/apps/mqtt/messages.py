@@ -1,4 +1,4 @@
-"""Messages on `mqtt/*`: how it stands with a broker outside."""
+"""Messages on `mqtt/*`: the state of the connection to a broker."""
 
 from msgspec import Struct
 
@@ -6,10 +6,9 @@ from lbr.messages.codes import ReasonCode
 
 
 class MqttState(Struct, frozen=True, kw_only=True):
-    """The state of the broker, the reason if it is away, the counts of reports, requests and refusals, and the last
-    answer.
+    """The broker's state, the reason if it is away, the counts of reports, requests and refusals, and the last answer.
 
-    `version`: the newest of the shadow.
+    `version`: the shadow's newest.
     """
 
     connected: bool

@@ -1,5 +1,4 @@
-"""From what the robot says of itself to what is told outside: few values, rounded, so that what rests changes nothing.
-Pure."""
+"""The report for outside: few values of the robot's state, rounded, so that a robot at rest reports no change. Pure."""
 
 from collections.abc import Callable, Collection, Mapping
 from math import degrees
@@ -17,13 +16,13 @@ from lbr.messages.odometry import OdometryState
 Latest = Callable[[str], Received | None]
 Report = dict[str, object]
 OLD_S = 3.0
-"""Older values are not known: the slowest of these streams comes once a second."""
+"""The age at which a value no longer counts; the slowest of these streams has 1 Hz."""
 LONGEST = 120
 MOST_FAULTS = 10
 
 
 class Streams(NamedTuple):
-    """The newest message of each stream that is reported; None for an old one."""
+    """The newest message of each reported stream; None if it is old."""
 
     battery: BatteryState | None
     odometry: OdometryState | None
@@ -39,7 +38,7 @@ SOURCES = Streams._fields
 
 
 def report(parts: Collection[str], latest: Latest, wired: Collection[str], now: float) -> Report:
-    """Return these parts of the state; `wired` are the streams with a source, and null is not known."""
+    """Return these parts of the state; `wired` are the streams with a source. Unknown values are null."""
     seen = Streams(*(_fresh(latest(name), now) for name in SOURCES))
     makers: Mapping[str, Callable[[], object]] = {
         "battery": lambda: _battery(seen.battery),
@@ -53,8 +52,7 @@ def report(parts: Collection[str], latest: Latest, wired: Collection[str], now: 
 
 
 def difference(before: Report, now: Report) -> Report:
-    """Return the change that a shadow merges into `before` to have `now`: added and changed values, and null for those
-    gone."""
+    """Return the change by which a shadow turns `before` into `now`: new values, and null for removed ones."""
     change: Report = {name: None for name, value in before.items() if name not in now and value is not None}
     for name, value in now.items():
         known = before.get(name)
@@ -67,7 +65,7 @@ def difference(before: Report, now: Report) -> Report:
 
 
 def merged(before: Report, change: Report) -> Report:
-    """Return a document as a shadow merges a change into it: null removes a value, and objects are merged."""
+    """Merge a change into a document as a shadow does: null removes a value, and objects are merged."""
     document = dict(before)
     for name, value in change.items():
         if value is None:
@@ -81,7 +79,7 @@ def merged(before: Report, change: Report) -> Report:
 
 
 def _same(one: object, other: object) -> bool:
-    """Return whether two values are one in JSON, where true is not 1."""
+    """Return whether two values are equal in JSON, where true is not 1."""
     return type(one) is type(other) and one == other
 
 
@@ -90,7 +88,7 @@ def _fresh(received: Received | None, now: float) -> Any:
 
 
 def _rounded(value: float | None, digits: int) -> float | None:
-    return None if value is None else round(value, digits) + 0.0  # so that -0.0 is 0.0
+    return None if value is None else round(value, digits) + 0.0  # turns -0.0 into 0.0
 
 
 def _battery(battery: BatteryState | None) -> Report | None:
@@ -106,7 +104,7 @@ def _battery(battery: BatteryState | None) -> Report | None:
 
 
 def _docked(battery: BatteryState | None) -> bool | None:
-    """Return whether it is on its dock: then it is fed or charged by it."""
+    """Return whether the robot is on its dock, which feeds or charges it."""
     if battery is None or not battery.valid or (battery.charging is None and battery.source is None):
         return None
     return bool(battery.charging) or battery.source == "mains"
@@ -145,7 +143,7 @@ def _behaviour(behaviour: BehaviourState | None) -> Report | None:
 
 
 def _faults(seen: Streams, wired: Collection[str]) -> list[str] | None:
-    """Return the faults, for people, the worst first; None where no stream is wired that reports any."""
+    """Return the faults, for people, the worst first; None if no stream with faults is wired."""
     if not any(name in wired for name in SOURCES):
         return None
     faults = [

@@ -1,10 +1,10 @@
-"""The connection to the broker, in a thread of its own: it reconnects for ever, and nothing that it meets ends it.
+"""The connection to the broker, in a thread of its own, which reconnects for ever; no error ends it.
 
     loop                                    thread
       publish ──► outbox ────────────────►  broker
-      take    ◄── inbox  ◄────────────────  messages of the topics that were subscribed to
+      take    ◄── inbox  ◄────────────────  messages of the subscribed topics
 
-Messages for an absent broker are not kept: each connection gets the state anew, and requests from in between are old.
+Messages for an absent broker are dropped: each connection starts with the state, and requests from in between are old.
 """
 
 import ssl
@@ -31,20 +31,19 @@ from lbr.capability.border import border
 from lbr.errors import InputError
 
 STEADY_S = 20.0
-"""A connection that lasted so long was a good one: the next try comes soon again."""
+"""After a connection of this length the next try comes soon again."""
 CONNECT_S = 5.0
 LOOK_S = 0.1
 LARGEST_PACKET = LARGEST_BYTES + 1024
 MOST_WAITING = 64
-"""Of messages either way: what comes faster than it is read is dropped, the oldest first and stops last, and so is what
-is sent."""
+"""The most messages in either queue. When one is full the oldest is dropped, but stops last."""
 MOST_UNACKNOWLEDGED = 100
 NEWEST_PROTOCOL = mqtt.MQTTv5
 LATER = SubscribeOptions(qos=1, retainHandling=SubscribeOptions.RETAIN_DO_NOT_SEND)
 
 
 class Incoming(NamedTuple):
-    """A message; `retained` by the broker: nobody knows for how long."""
+    """A message; `retained` by the broker for an unknown time."""
 
     topic: str
     payload: bytes
@@ -75,15 +74,15 @@ class Broker(Struct, frozen=True, kw_only=True):
 
 
 def secured(ca: str, certificate: str, key: str) -> ssl.SSLContext:
-    """Return TLS by files in `credentials/`; InputError names the one that is missing, readable by others, or wrong."""
+    """Return the TLS context of files in `credentials/`; raise InputError for a missing, readable or wrong one."""
     paths = {name: _credential(name) for name in (ca, certificate, key) if name}
     try:
         context = ssl.create_default_context(cafile=paths.get(ca))
         context.minimum_version = ssl.TLSVersion.TLSv1_2
-        if ca:  # one's own by OpenSSL's usual words lacks the key usage that Python 3.13 and newer ask an authority for
+        if ca:  # an authority made by OpenSSL's usual command lacks the key usage that Python 3.13 requires
             context.verify_flags &= ~ssl.VERIFY_X509_STRICT
         if certificate:
-            context.load_cert_chain(paths[certificate], paths[key], password="")  # else it would ask at the terminal
+            context.load_cert_chain(paths[certificate], paths[key], password="")  # else OpenSSL prompts for one
     except (ssl.SSLError, OSError, ValueError) as err:
         raise InputError(
             f"{', '.join(map(str, paths.values()))}: TLS cannot be spoken with these files ({err})"
@@ -107,8 +106,7 @@ def _credential(name: str) -> Path:
 
 
 class Session:
-    """A connection and those after it. `start` and `close` it; `connected` and `trouble` are how it stands, and `count`
-    how many connections there were."""
+    """The connections to a broker: `connected` and `trouble` are the present state, and `count` is their number."""
 
     def __init__(
         self,
@@ -130,20 +128,20 @@ class Session:
         self._thread = threading.Thread(target=self._run, name="mqtt", daemon=True)
 
     def start(self) -> None:
-        """Connect, and go on doing so."""
+        """Connect, and reconnect, until `close`."""
         self._thread.start()
 
     def publish(self, message: Outgoing) -> None:
-        """Send a message, if the broker is there."""
+        """Send a message, if the broker is connected."""
         if self.connected:
             self._outbox.append(message)
 
     def take(self) -> list[Incoming]:
-        """Return what came since the last call."""
+        """Return the messages since the last call."""
         return self._inbox.take()
 
     def close(self, last: Iterable[Outgoing] = (), within_s: float = 0.3) -> None:
-        """Say the last words and leave; a broker that does not listen is left all the same."""
+        """Send the last messages and disconnect; do not wait longer for a broker that does not answer."""
         self._last = tuple(last)
         self._ends.set()
         if self._thread.is_alive():
@@ -164,7 +162,7 @@ class Session:
         self.trouble = _reason(err)
 
     def _connection(self) -> None:
-        """Connect and serve until the connection is lost; raise why."""
+        """Connect and serve until the connection is lost; raise the reason."""
         client = self._client()
         try:
             client.connect(
@@ -184,7 +182,7 @@ class Session:
             self._leave(client)
         finally:
             client.on_disconnect = None
-            client.disconnect()  # the client closes what is left when it goes out of use
+            client.disconnect()  # the client closes its sockets when it is deleted
 
     def _client(self) -> mqtt.Client:
         broker = self._broker
@@ -209,8 +207,8 @@ class Session:
         return client
 
     def _look(self, client: mqtt.Client, code: int) -> None:
-        """Raise ConnectionError if the connection is no more, or the broker sends what it was told not to."""
-        size = int(getattr(client, "_in_packet", {}).get("remaining_length", 0))  # before all of it was received
+        """Raise ConnectionError if the connection is lost, or the broker breaks the limits."""
+        size = int(getattr(client, "_in_packet", {}).get("remaining_length", 0))  # known from its head
         if size > LARGEST_PACKET:
             raise ConnectionError(f"it sent {size} bytes at once, and {LARGEST_PACKET} are the most")
         if code != mqtt.MQTT_ERR_SUCCESS:
@@ -225,7 +223,7 @@ class Session:
                     raise ConnectionError("it acknowledges nothing")
 
     def _leave(self, client: mqtt.Client) -> None:
-        """Send the last messages, and wait for a moment until they are acknowledged."""
+        """Send the last messages, and wait briefly for their acknowledgement."""
         if not self.connected:
             return
         self._send(client)
@@ -273,7 +271,7 @@ class Session:
 
 
 def _limits() -> Properties:
-    """Return what the broker is asked to keep to."""
+    """Return the limits for the broker."""
     found = Properties(PacketTypes.CONNECT)
     found.MaximumPacketSize = LARGEST_PACKET
     found.ReceiveMaximum = MOST_WAITING

@@ -1,11 +1,11 @@
-"""One device shadow: its reported and its desired state. Decides by its messages and the time; no I/O.
+"""One device shadow: its reported and desired state. Pure: driven by its messages and the time.
 
-    connected ──► get ──► get/accepted: version, what is reported, what is desired ──► asked
-    delta ─────► get again: a delta names only what differs, and may be older than what is known
-    report() ──► update of what changed in `reported`, under the version that is known, every 5 s at most
-                 update/rejected 409: somebody else was first ──► get again
+    connected ──► get ──► get/accepted: version, reported, desired ──► the desire
+    delta ─────► get again, as a delta has only the differences, and may be older than the known version
+    report() ──► update of what changed in `reported`, under the known version, every 5 s at most
+                 update/rejected 409: another client was first ──► get again
 
-`desired` is never written. A request is reported back as it was, beside the answer, so that it differs no more.
+`desired` is never written. A request is reported back unchanged, beside the answer, so that the two states agree.
 """
 
 from collections.abc import Iterator
@@ -19,9 +19,9 @@ from lbr.apps.mqtt.report import Report, difference, merged
 from lbr.errors import InputError
 
 ANSWER_S = 10.0
-"""A service that has not answered for so long does not."""
+"""The wait for an answer of the service."""
 AGAIN_S = 1.0
-"""No flood of deltas has the document fetched more often."""
+"""The shortest pause between two gets, whatever the rate of deltas."""
 REJECTED_S = 30.0
 LARGEST_ECHO = 512
 CONFLICT, NOT_THERE = 409, 404
@@ -29,14 +29,14 @@ _SUBSCRIBED = ("get/accepted", "get/rejected", "update/accepted", "update/reject
 
 
 class Desire(NamedTuple):
-    """The desire of a shadow: any JSON value, and for how long it stands (None: unknown)."""
+    """The desire of a shadow: any JSON value, and its age (None: unknown)."""
 
     raw: object
     age_s: float | None
 
 
 class ShadowState:
-    """The knowledge of a shadow since the broker was reached last; `version` None: nothing yet."""
+    """A shadow's state since the last connection; `version` is None before the first answer."""
 
     def __init__(self, thing: str, name: str, every_s: float, mark: str) -> None:
         self.root = f"$aws/things/{thing}/shadow" + (f"/name/{name}" if name else "")
@@ -53,16 +53,16 @@ class ShadowState:
 
     @property
     def topics(self) -> tuple[str, ...]:
-        """The topics to subscribe."""
+        """The topics to subscribe to."""
         return tuple(f"{self.root}/{one}" for one in _SUBSCRIBED)
 
     def connected(self) -> None:
-        """Begin as if nothing were known: a shadow may have been another's meanwhile. Done desires stay done."""
+        """Forget the state, as the shadow may have changed meanwhile; desires that were done stay done."""
         self.version, self._known, self._wanted = None, {}, True
         self._get, self._update, self._next_get = ("", -inf), ("", -inf, {}), -inf
 
     def receive(self, topic: str, payload: bytes, now: float) -> Desire | None:
-        """Handle a message of one of the topics; return its desire, if any. InputError names the fault of the message."""
+        """Handle a message of a subscribed topic; return its desire, if any. Raise InputError for a bad message."""
         document = documents.read(payload)
         match topic.removeprefix(f"{self.root}/"):
             case "update/delta":
@@ -79,7 +79,7 @@ class ShadowState:
         return None
 
     def publish(self, report: Report, now: float) -> Iterator[tuple[str, bytes]]:
-        """Yield the topics and payloads that are to be sent now."""
+        """Yield the topics and payloads to send now."""
         if self._wanted and now >= self._next_get and not now - self._get[1] < ANSWER_S:
             self._get, self._next_get, self._wanted = (self._token(), now), now + AGAIN_S, False
             yield f"{self.root}/get", msgspec.json.encode({"clientToken": self._get[0]})
@@ -98,14 +98,13 @@ class ShadowState:
         yield f"{self.root}/update", msgspec.json.encode(update)
 
     def done(self, raw: object) -> object:
-        """Note that a desire was answered, and return its report: the desire itself, unless it is too
-        long."""
+        """Note that a desire was answered; return the value to report: the desire itself, unless it is too long."""
         self._handled = _text(raw)
         return raw if len(self._handled) <= LARGEST_ECHO else "too long to be told"
 
     def _fetched(self, fields: dict[str, object]) -> Desire | None:
         if fields.get("clientToken") != self._get[0] or not self._get[0]:
-            return None  # somebody else has asked for it
+            return None  # another client's get
         self._get = ("", -inf)
         document = documents.document(fields)
         if self.version is not None and document.version < self.version:
@@ -149,5 +148,5 @@ class ShadowState:
 
 
 def _text(value: object) -> bytes:
-    """Return a JSON value as bytes that are the same for the same value."""
+    """Encode a JSON value, equal values as equal bytes."""
     return msgspec.json.encode(value, order="sorted")

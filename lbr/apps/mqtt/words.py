@@ -18,11 +18,11 @@ from lbr.messages.units import HeadingDeg, Name, Power, TurnDeg
 
 LONGEST_TEXT = 250
 LEAST_CM = 1.0
-"""Of a way; a shorter one is refused, and 0 would set no bound at all."""
+"""The shortest distance; a shorter one is refused, as 0 would mean no bound at all."""
 
 
 class StopWord(Struct, frozen=True, kw_only=True, tag_field="do", tag="stop", forbid_unknown_fields=True):
-    """Stop whatever moves; everybody may."""
+    """Stop whatever moves; allowed for everybody."""
 
 
 class RunWord(Struct, frozen=True, kw_only=True, tag_field="do", tag="run", forbid_unknown_fields=True):
@@ -32,27 +32,27 @@ class RunWord(Struct, frozen=True, kw_only=True, tag_field="do", tag="run", forb
 
 
 class SayWord(Struct, frozen=True, kw_only=True, tag_field="do", tag="say", forbid_unknown_fields=True):
-    """Say a phrase or a text; without either, the text that comes."""
+    """Speak a phrase or a text; without either, the text in the request."""
 
     text: Annotated[str, Meta(max_length=LONGEST_TEXT)] = ""
     phrase: Annotated[str, Meta(max_length=40)] = ""
 
 
 class TurnWord(Struct, frozen=True, kw_only=True, tag_field="do", tag="turn", forbid_unknown_fields=True):
-    """Turn by an angle, clockwise; without one, by what comes, `most_deg` either way at most."""
+    """Turn by an angle, clockwise; without one, by the request's, at most `most_deg` either way."""
 
     angle_deg: TurnDeg | None = None
     most_deg: Annotated[float, Meta(gt=0.0, le=360.0)] = 180.0
 
 
 class HeadingWord(Struct, frozen=True, kw_only=True, tag_field="do", tag="heading", forbid_unknown_fields=True):
-    """Turn to a compass heading; without one, to what comes."""
+    """Turn to a compass heading; without one, to the request's."""
 
     heading_deg: HeadingDeg | None = None
 
 
 class GoWord(Struct, frozen=True, kw_only=True, tag_field="do", tag="go", forbid_unknown_fields=True):
-    """Drive so far, negative is back; without a distance, what comes, `most_cm` at most."""
+    """Drive so far, negative is back; without a distance, the request's, at most `most_cm`."""
 
     distance_cm: Annotated[float, Meta(ge=-1000.0, le=1000.0)] | None = None
     most_cm: Annotated[float, Meta(ge=LEAST_CM, le=1000.0)] = 100.0
@@ -72,7 +72,7 @@ Order = Motion | StopCommand | RunBehaviour | SayCommand
 
 
 class Ask(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A word, what comes with it, and by what its sender tells one asking from the next."""
+    """A request: the word, its value, and the sender's id for it."""
 
     word: Annotated[str, Meta(max_length=40)]
     value: float | str | None = None
@@ -80,7 +80,7 @@ class Ask(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Bounds(Struct, frozen=True, kw_only=True):
-    """The value with a word: a text, or a number within bounds."""
+    """The value of a word: a text, or a number within bounds."""
 
     text: bool = False
     least: float = 0.0
@@ -89,7 +89,7 @@ class Bounds(Struct, frozen=True, kw_only=True):
 
 
 def bounds(word: Word) -> Bounds | None:
-    """Return what comes with a word; None if it stands alone."""
+    """Return the bounds of a word's value; None if it has no value."""
     match word:
         case SayWord(text="", phrase=""):
             return Bounds(text=True)
@@ -104,7 +104,7 @@ def bounds(word: Word) -> Bounds | None:
 
 
 def read(raw: object) -> Ask:
-    """Return the request in a decoded JSON value; InputError names its fault."""
+    """Return the request in a decoded JSON value; raise InputError for a bad one."""
     try:
         return msgspec.convert(raw, Ask)
     except msgspec.ValidationError as err:
@@ -116,7 +116,7 @@ def read(raw: object) -> Ask:
 
 
 def order(ask: Ask, allowed: dict[str, Word], held: Role | None) -> Order:
-    """Return the order of a word; InputError with a code if it is not for its sender, whose role is `held`."""
+    """Return the order of a word; raise InputError with a code if its sender, of the role `held`, may not give it."""
     word = allowed.get(ask.word)
     if word is None:
         there = ", ".join(sorted(allowed)) or "none"
@@ -154,7 +154,7 @@ def _ordered(ask: Ask, word: Word) -> Order:
 
 
 def _given(ask: Ask, wanted: Bounds | None) -> tuple[str, float]:
-    """Return the text or the number that comes with a word."""
+    """Return the text or number of a request."""
     if wanted is None:
         return "", 0.0
     if wanted.text:
@@ -171,6 +171,6 @@ def _given(ask: Ask, wanted: Bounds | None) -> tuple[str, float]:
 
 
 def _way(ask: Ask, distance_cm: float, power: float) -> DriveCommand:
-    if not abs(distance_cm) >= LEAST_CM:  # this way round, NaN goes nowhere
+    if not abs(distance_cm) >= LEAST_CM:  # this way round, NaN is refused
         raise InputError(f"'{ask.word}': {distance_cm:g} cm is no way to go; {LEAST_CM:g} is the least", "bad_value")
     return DriveCommand(power=power, angle_deg=0.0 if distance_cm > 0.0 else 180.0, distance_cm=abs(distance_cm))

@@ -1,8 +1,7 @@
 """Serve the robot's cameras to browsers, behind a token.
 
-Without --host, which belongs into its row, only this machine reaches it. From other machines it is reached by TLS
-alone, with the robot's own certificate, whose SHA-256 fingerprint is printed for comparison with what the browser
-shows.
+Without --host in its row, only this machine reaches it. Other machines reach it by TLS alone, with the robot's own
+certificate. Its SHA-256 fingerprint is printed, to be compared with the one that the browser shows.
 """
 
 import argparse
@@ -19,7 +18,7 @@ PORT = 9146
 
 
 def main() -> int:
-    """Serve until a signal ends it."""
+    """Serve until a signal."""
     try:
         from lbr.apps.navcam.server import serve  # noqa: PLC0415 - it needs an extra
     except ImportError as err:
@@ -54,4 +53,4 @@ if __name__ == "__main__":
     code = program.run(main)
     with suppress(OSError):
         sys.stdout.flush()
-    os._exit(code)  # a thread that still waits for an answer of the bus delays nothing
+    os._exit(code)  # without waiting for a thread that queries the bus

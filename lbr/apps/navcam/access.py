@@ -1,4 +1,4 @@
-"""Let in to navcam those who show the token of this home, or a cookie that was given for it. No place lets in."""
+"""Access to navcam by the token of this home, or by a cookie for it, and from no address without."""
 
 import secrets
 from collections.abc import Mapping
@@ -31,7 +31,7 @@ def _read_private(path: Path) -> str:
 
 
 class TokenAccess:
-    """Knows the token, compared in constant time, and the cookies that stand for it."""
+    """Checks the token, in constant time, and the cookies that stand for it."""
 
     def __init__(self, secret: str, login: Login) -> None:
         self._secret = secret.encode()
@@ -47,7 +47,7 @@ class TokenAccess:
         owner: bool = False,
         whose: str | None = None,
     ) -> Client:
-        """Return the asker; Refused (401) without the token or a cookie, from any address."""
+        """Return the client; raise Refused (401) without the token or a cookie, from any address."""
         del port, owner
         if not token:
             scheme, _, token = headers.get("authorization", "").partition(" ")

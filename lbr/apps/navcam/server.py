@@ -1,4 +1,4 @@
-"""navcam is the web server with one face, the cameras, at a port and behind a token of its own."""
+"""navcam: the web server with one face, the cameras, at its own port and with its own token."""
 
 import asyncio
 import hashlib
@@ -34,18 +34,18 @@ REQUESTS_PER_S = 200.0
 
 
 class Server(serving.Server):
-    """Ends the open streams when it is told to end."""
+    """Ends the open streams at a signal."""
 
     face: CamerasFace
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        """Take SIGTERM or SIGINT."""
+        """Handle SIGTERM or SIGINT."""
         super().handle_exit(sig, frame)
         self.face.close()
 
 
 def serve(robot: Robot, host: str, port: int, own_names: Iterable[str]) -> None:
-    """Serve the cameras until a signal ends it."""
+    """Serve the cameras until a signal."""
     with ExitStack() as stack:
         sockets = [stack.enter_context(one) for one in _listen(host, port)]
         tls, port = not listening.is_loopback(sockets[0]), sockets[0].getsockname()[1]
@@ -83,7 +83,7 @@ def _app(face: CamerasFace, login: Login, secret: str, own_names: Iterable[str])
 
 
 async def _awaited(work: Coroutine[Any, Any, Response], *, timeout_s: float) -> Response:
-    """Run a handler on the server's thread: there is no other loop."""
+    """Run a handler on the server's thread, as there is no other loop."""
     return await asyncio.wait_for(work, timeout_s)
 
 

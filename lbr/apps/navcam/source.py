@@ -1,4 +1,4 @@
-"""The cameras of a robot by its local door: pictures while there are viewers, and what the bus knows at this moment."""
+"""The cameras of a robot by its local door: pictures while there are viewers, and the newest states."""
 
 import asyncio
 import sys
@@ -27,7 +27,7 @@ def name_in(key: str) -> str:
 
 
 class Door:
-    """Asks the cameras; everything is on the server's thread, and what waits for the bus beside it."""
+    """Queries the cameras; all on the server's thread, and waits for the bus beside it."""
 
     def __init__(self, bus: Session, robot: str, source: str, sessions: Sessions) -> None:
         self._bus = bus
@@ -36,7 +36,7 @@ class Door:
         self._sessions = sessions
 
     async def states(self) -> dict[str, CameraState]:
-        """Return how each camera is, by its short name."""
+        """Return the state of each camera by its short name."""
         states = {}
         for raw in await asyncio.to_thread(self._asked, "state"):
             with suppress(MalformedError):
@@ -44,7 +44,7 @@ class Door:
         return dict(sorted(states.items()))
 
     async def snapshot(self, camera: str) -> bytes | None:
-        """Return the newest picture of a camera, or of any; None if no fresh one came."""
+        """Return the newest picture of a camera, or of any; None without a fresh one."""
         snapshots = [
             (stamp.sent_s(stamp.read(raw.attachment), raw.arrived), raw.payload)
             for raw in await asyncio.to_thread(self._asked, "frame")
@@ -54,14 +54,14 @@ class Door:
         return picture if time.monotonic() - at <= OLDEST_S else None
 
     def step(self) -> None:
-        """Pictures come by themselves."""
+        """Do nothing: pictures come by themselves."""
 
     def begin(self, deal: Deal) -> Callable[[], None]:
-        """Have pictures come; the bus library's thread only wakes ours."""
+        """Subscribe to pictures; the bus library's thread only wakes ours."""
         loop = asyncio.get_running_loop()
 
         def wake() -> None:
-            with suppress(RuntimeError):  # the loop is closed already
+            with suppress(RuntimeError):  # the loop is closed
                 loop.call_soon_threadsafe(take)
 
         def take() -> None:
@@ -73,15 +73,15 @@ class Door:
         return feed.close
 
     def knows(self, session: str) -> bool:
-        """Return whether a session goes on."""
+        """Return whether a session is still valid."""
         return self._sessions.knows(session)
 
     def on_sign_out(self, then: Callable[[], None]) -> None:
-        """Have something called whenever a user signs out."""
+        """Call a function whenever a user signs out."""
         self._sessions.on_end.append(then)
 
     def tell(self, text: str) -> None:
-        """Write a line to the log, with the time; a log that takes nothing does not keep viewers from watching."""
+        """Write a dated line to the log; viewers may watch even if the log cannot be written."""
         with suppress(OSError):
             sys.stdout.write(f"{time.strftime('%Y-%m-%d %H:%M:%S')} {text}\n")
             sys.stdout.flush()

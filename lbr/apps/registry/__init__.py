@@ -1,8 +1,7 @@
-"""Robots that are up, and how to reach them: a small service (`lbr registry`), and what tells it of a robot (kind
-`registrar`).
+"""Robots that are up, and how to reach them: a small service (`lbr registry`), and the kind `registrar` for a robot.
 
-`book` is what the service knows, pure; `guests` are the tokens that it has given; `server` answers over HTTPS; `asking`
-is the way there; `capability` registers a robot.
+`book` has the service's records, and is pure; `guests` are the tokens that it has issued; `server` answers over HTTPS.
+`asking` sends requests to it; `capability` registers a robot.
 """
 
 from lbr.component import CliCommand, Component

@@ -1,5 +1,4 @@
-"""Asking the service: by TLS, and only if it shows the certificate that the token knows it by. Nothing is sent
-before."""
+"""Requests to the service, by TLS. Nothing is sent before it shows the certificate that the token names."""
 
 import http.client
 import ssl
@@ -27,7 +26,7 @@ class NotTakenError(LbrError):
 def ask(
     url: str, token: Token, method: Literal["GET", "POST", "DELETE"], body: bytes = b"", *, within_s: float = ANSWER_S
 ) -> bytes:
-    """Return the answer of the service; NotTakenError if it refuses, BusError if it is not there or is another."""
+    """Return the answer of the service; NotTakenError if it refuses, BusError if it is unreachable or another one."""
     try:
         where = urlsplit(url)
         scheme, host, port = where.scheme, where.hostname, where.port or 443
@@ -43,7 +42,7 @@ def ask(
         connection.request(method, PATH, body=body or None, headers=headers)
         answer = connection.getresponse()
         content = answer.read(LARGEST_BYTES)
-    except UnicodeError as err:  # an empty or too long part between dots, bytes that are no text
+    except UnicodeError as err:  # an empty or too long label, or bytes that are not text
         raise InputError(f"'{host[:80]}' is no name or address of a machine") from err
     except (OSError, http.client.HTTPException) as err:
         raise BusError(f"the registry at {url} cannot be reached ({err or type(err).__name__})") from err
@@ -55,7 +54,7 @@ def ask(
 
 
 def _whichever() -> ssl.SSLContext:
-    """Return TLS that accepts any certificate: the token's fingerprint proves the right one."""
+    """Return a TLS context that accepts any certificate: the token's fingerprint proves the right one."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.minimum_version = ssl.TLSVersion.TLSv1_2
     context.check_hostname = False
@@ -72,7 +71,7 @@ def _check(connection: http.client.HTTPSConnection, url: str, token: Token) -> N
 
 
 def _reason(said: bytes) -> str:
-    """Return the sentence of an answer, as one printable line."""
+    """Return the reason in an answer, as one printable line."""
     try:
         text = str(msgspec.json.decode(said, type=dict[str, object]).get("reason", ""))
     except UNREADABLE:

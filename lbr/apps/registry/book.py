@@ -1,4 +1,4 @@
-"""The service's knowledge of robots: their names, how to reach them, and their last report. Pure."""
+"""The service's records of robots: their names, addresses and last reports. Pure."""
 
 from collections.abc import Collection
 from typing import Annotated
@@ -11,13 +11,13 @@ from lbr.messages.units import Name
 MOST_ROBOTS = 1000
 KEPT_S = 24 * 3600.0
 SILENT = 3.0
-"""A robot that was silent for so many of its own periods is gone."""
+"""A robot that misses so many of its own periods counts as gone."""
 Address = Annotated[str, Meta(pattern=r"^https?://[!-~]{1,200}$(?!\n)")]
 Endpoint = Annotated[str, Meta(pattern=r"^(tls|tcp)/[A-Za-z0-9.:\[\]_-]{1,200}$(?!\n)")]
 
 
 class Entry(Struct, frozen=True, kw_only=True):
-    """The report of a robot. `up_s` is for how long it has been up, and `every_s` the pace of its reports."""
+    """The report of a robot. `up_s` is its uptime, and `every_s` the period of its reports."""
 
     robot: Name
     version: Annotated[str, Meta(pattern=r"^[!-~]{0,40}$(?!\n)")] = ""
@@ -55,7 +55,7 @@ class Book:
         self._known: dict[str, _Known] = {}
 
     def register(self, name: str, address: str, entry: Entry, now: float) -> bool:
-        """Register a robot; False if there is no room for one more."""
+        """Register a robot; False if the book is full."""
         self._forget(now)
         if name not in self._known and len(self._known) >= MOST_ROBOTS:
             return False
@@ -68,11 +68,11 @@ class Book:
             self._known[name] = replace(self._known[name], shutting_down=True)
 
     def keep(self, names: Collection[str]) -> None:
-        """Forget all robots but those whose tokens still count."""
+        """Forget robots whose tokens were revoked."""
         self._known = {name: one for name, one in self._known.items() if name in names}
 
     def listed(self, now: float) -> tuple[Listed, ...]:
-        """Return all robots, those that are up first."""
+        """Return all robots, the running ones first."""
         self._forget(now)
         listed = [
             Listed(

@@ -1,4 +1,4 @@
-"""Registering as a capability: reports every few seconds to the service that the robot is up, and its addresses."""
+"""Registering as a capability: reports the robot and its addresses to the service every few seconds."""
 
 import threading
 import time
@@ -35,8 +35,7 @@ NO_SERVICE = (
 
 
 class Herald:
-    """Says again and again, in a thread of its own, what `entry` is; `trouble` is why it was not heard, `times` how
-    often it was."""
+    """Reports `entry` repeatedly, in a thread of its own; `trouble` is why the last report failed, or empty."""
 
     def __init__(self, url: str, token: Token, entry: Entry, changed: Callable[[], None]) -> None:
         self.entry = entry
@@ -51,11 +50,11 @@ class Herald:
         self._thread = threading.Thread(target=self._run, name="registrar", daemon=True)
 
     def start(self) -> None:
-        """Begin."""
+        """Start the thread."""
         self._thread.start()
 
     def register(self, entry: Entry) -> None:
-        """Register another entry from now on, at once."""
+        """Report another entry, at once."""
         if entry != self.entry:
             self.entry = entry
             self._now.set()
@@ -80,12 +79,12 @@ class Herald:
             self._changed()
             self._now.wait(wait_s(tries) if tries else self.entry.every_s)
         if not self.trouble:
-            with suppress(LbrError, OSError, ValueError):  # its silence will tell as much
+            with suppress(LbrError, OSError, ValueError):  # without it the service notices the silence
                 asking.ask(self._url, self._token, "DELETE", within_s=GOODBYE_S)
 
 
 class Registrar(Capability[RegistrarSettings]):
-    """A robot that wants to be found."""
+    """Registers the robot with the service."""
 
     rate_hz = 2.0
     woken_by_streams = False
@@ -126,7 +125,7 @@ class Registrar(Capability[RegistrarSettings]):
         self._publish_state(herald, health)
 
     def close(self) -> None:
-        """Say goodbye."""
+        """Report that the robot leaves."""
         herald, self._herald = self._herald, None
         if herald is not None:
             herald.close()
@@ -162,13 +161,13 @@ class Registrar(Capability[RegistrarSettings]):
 
 
 def _is_reached(url: str) -> bool:
-    """Return whether other machines may reach an address."""
+    """Return whether other machines may reach a URL."""
     host = urlsplit(url).hostname or ""
     return bool(host) and host != "localhost" and not names.is_loopback(host)
 
 
 def _token(name: str) -> Token:
-    """Return the token in a file of `credentials/`; InputError names its fault."""
+    """Return the token in a file of `credentials/`; raise InputError with its fault."""
     files = home.given_credentials(name)
     if not files:
         where = home.directory("credentials") / name

@@ -1,5 +1,4 @@
-"""The tokens that the service has given: a name each, and a digest of what proves it, in a file for its owner's
-eyes."""
+"""The tokens that the service has issued: a name and a digest of the secret each, in a private file."""
 
 import fcntl
 import hashlib
@@ -25,14 +24,14 @@ FOLDER, FILE = "registry", "tokens.json"
 
 
 class Guest(Struct, frozen=True, kw_only=True):
-    """A token without what proves it: that has 256 bits, so that a plain digest gives nothing away."""
+    """A token without its secret. That has 256 bits, so a plain digest reveals nothing."""
 
     digest: str
     since: str
 
 
 class Guests:
-    """The file of this home; what another process changes there counts at the next look."""
+    """The file of tokens in this home; changes by other processes apply from the next read on."""
 
     def __init__(self) -> None:
         self.path = home.directory(FOLDER) / FILE
@@ -40,11 +39,11 @@ class Guests:
         self._known: dict[str, Guest] = {}
 
     def names(self) -> dict[str, str]:
-        """Return the names that there are, and since when."""
+        """Return the tokens' names, and since when each exists."""
         return {name: guest.since for name, guest in sorted(self._now().items())}
 
     def add(self, name: str) -> Token:
-        """Make a token; InputError if the name is invalid, or has one."""
+        """Make a token; raise InputError if the name is invalid, or taken."""
         tokens.check_name(name)
         secret = tokens.text(secrets.token_bytes(32))
         with self._changing() as known:
@@ -55,13 +54,13 @@ class Guests:
         return Token(name=name, secret=secret, fingerprint=tokens.fingerprint(shown))
 
     def revoke(self, name: str) -> None:
-        """Have a token count for nothing."""
+        """Revoke a token."""
         with self._changing() as known:
             if known.pop(name, None) is None:
                 raise InputError(f"nobody has a token called '{name}'", "unknown_name")
 
     def proven(self, shown: str) -> str:
-        """Return whose token it is; empty if it is nobody's."""
+        """Return the name of a valid token, or an empty string."""
         try:
             token = tokens.parse(shown)
         except InputError:

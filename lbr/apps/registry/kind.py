@@ -27,7 +27,7 @@ class RegistrarSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields
     endpoints: Annotated[tuple[Endpoint, ...], Meta(max_length=8)] = ()
 
     def __post_init__(self) -> None:
-        """Refuse what is no address."""
+        """Refuse a bad URL."""
         if self.url and _URL.fullmatch(self.url) is None:
             raise ValueError(f"url: '{self.url[:80]}' is no address; addresses look like https://HOST:{PORT}")
 

@@ -1,4 +1,4 @@
-"""Messages on `registrar/*`: whether a robot is listed among those that are up."""
+"""Messages on `registrar/*`: whether the service lists the robot."""
 
 from msgspec import Struct
 

@@ -1,4 +1,4 @@
-"""The service: takes what robots say of themselves, and lists them, both by token and by TLS alone."""
+"""The service: receives the reports of robots, and lists them, both by token and by TLS only."""
 
 import asyncio
 import signal
@@ -22,11 +22,11 @@ from lbr.messages.unreadable import UNREADABLE
 
 LARGEST_BYTES = 8192
 REQUESTS_PER_S = 100.0
-"""From one address, behind which there may be a house full of robots."""
+"""The most requests from one address, behind which there may be many robots."""
 
 
 class Service:
-    """Answers: `POST /api/robots` registers, `DELETE` of it leaves, and `GET` lists."""
+    """The routes: `POST /api/robots` registers, `DELETE` leaves, and `GET` lists."""
 
     def __init__(self, guests: Guests, book: Book, clock: Callable[[], float] = time.monotonic) -> None:
         self._guests = guests
@@ -35,7 +35,7 @@ class Service:
         self._rates = Rates(REQUESTS_PER_S)
 
     def application(self) -> Starlette:
-        """Return what a server asks."""
+        """Return the ASGI application."""
         return Starlette(routes=[Route(PATH, self._robots, methods=["GET", "POST", "DELETE"])])
 
     async def _robots(self, request: Request) -> Response:
@@ -75,7 +75,7 @@ class Service:
 
 
 def serve(host: str, port: int, say: Callable[[str], None]) -> None:
-    """Serve until a signal ends it; InputError is the reason if it cannot."""
+    """Serve until a signal; raise InputError if that is not possible."""
     guests = Guests()
     guests.names()
     with ExitStack() as stack:

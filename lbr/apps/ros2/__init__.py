@@ -1,4 +1,4 @@
-"""The robot in ROS 2 by the wire of rmw_zenoh: its sensors shown there, and driven from there by a lease.
+"""The robot in ROS 2 by the wire of rmw_zenoh: its sensors are published there, and ROS drives it under a lease.
 
 Pure are `codec` (messages as bytes), `wire` (keys and tokens), `graph` (the nodes in ROS) and `driving` (the twist to
 follow). `topics`, `shown` and `urdf`, the robot's messages and its body, are pure too. `link` is the connection, in a

@@ -1,7 +1,7 @@
-"""ROS 2 as a capability: publishes the robot's streams there, and borrows motion for its nodes.
+"""ROS 2 as a capability: publishes the robot's streams there, and leases motion for its nodes.
 
-Tokens come by `link` to `graph`, whose subscribers decide what `showing` publishes. Samples come to `driving`, whose
-twist a holder follows under a lease of the drive. Requests come to `words`.
+`graph` receives the tokens of `link`; its subscribers decide which topics `showing` publishes. `driving` receives the
+samples; a holder follows its twist under a lease of the drive. `words` receives the requests.
 """
 
 from math import inf
@@ -84,7 +84,7 @@ class Ros2(Capability[Ros2Settings]):
         self._published_s = -inf
 
     def open(self) -> None:
-        """Begin to look for ROS."""
+        """Start the connection to ROS."""
         self._link.start()
 
     def step(self) -> None:
@@ -107,17 +107,17 @@ class Ros2(Capability[Ros2Settings]):
         self._publish_state(now)
 
     def woke(self, slept_s: float) -> None:  # noqa: ARG002 - however long
-        """The computer slept: who drove may be gone."""
+        """End all motion: its publisher may have left during the sleep."""
         self._driving.end_all(Reason("holder_gone", "the robot's computer slept"))
 
     def close(self) -> None:
-        """Stop what is moved in ROS's name, and leave."""
+        """Stop the motion of ROS, and disconnect."""
         self._holder.release("the bridge to ROS is shutting down")
         self._words.halt("the bridge to ROS is shutting down")
         self._link.close()
 
     def _denied(self) -> Reason | None:
-        """Return why ROS may do no more than look, and stop; nothing if it may."""
+        """Return why ROS may only look and stop; None if it may drive."""
         name = self.ctx.settings.token
         token = next((one for one in self.ctx.rows(TokenRight) if one.name == name), None)
         if not name or token is None or token.role == "host":
@@ -161,7 +161,7 @@ class Ros2(Capability[Ros2Settings]):
             self._showing.subscribed(self._graph.subscribed)
 
     def _lose(self, publisher: Endpoint, gid: bytes) -> None:
-        """A publisher is gone; one that named itself otherwise than by its token may be the one that drives."""
+        """Handle the loss of a publisher; one whose messages do not match its token may be the driver."""
         why = Reason("holder_gone", f"{publisher.node.path} is gone")
         driver = self._driving.driver
         unknown = driver and publisher.topic in self._accepted and not self._graph.knows(driver)
@@ -182,7 +182,7 @@ class Ros2(Capability[Ros2Settings]):
         type_ = wire.type_in(sample.key)
         try:
             if wire.hash_in(sample.key) not in (codec.type_hash(type_), wire.HUMBLE_HASH):
-                return  # another type of that name, reported by its token already
+                return  # another type of that name, already reported by its token
             motion = (
                 trajectory(sample.payload, self._joints) if type_ == TRAJECTORY else codec.twist(type_, sample.payload)
             )
@@ -204,10 +204,10 @@ class Ros2(Capability[Ros2Settings]):
         return reply
 
     def _drive(self, now: float, results: list[GoalResult]) -> None:
-        """Follow what is asked for under a lease; whoever loses it begins anew only after rest."""
+        """Follow the requested motion under a lease; a publisher that loses it must rest first."""
         command = self._driving.command(now, self.ctx.settings.ttl_s)
         rests = self._driving.stands if command is None else None
-        # What a trajectory supersedes is one of ROS before it.
+        # A trajectory supersedes only earlier motion of ROS.
         ended = self._holder.step([one for one in results if one.result != "superseded"], lost=rests)
         if ended is not None and ended is not rests:
             if self._holder.good:
@@ -222,7 +222,7 @@ class Ros2(Capability[Ros2Settings]):
             self._holder.begin(LENDERS[type(command)], command)
 
     def _report_losses(self) -> None:
-        """Tell each refusal and end once."""
+        """Report each refusal and each end once."""
         losses, self._driving.lost = self._driving.lost, []
         for gid, why in losses:
             self._report_refusal(f"{self._graph.name(gid)}{self._graph.place(gid)}: {why}", why.code)

@@ -1,4 +1,4 @@
-"""Messages of ROS as bytes: their types, hashes and CDR, of which rosbags knows all but services. Pure."""
+"""Messages of ROS as bytes: their types, hashes and CDR, by rosbags for all but services. Pure."""
 
 import struct
 from collections.abc import Mapping, Sequence
@@ -19,15 +19,15 @@ TWIST, TWIST_STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStampe
 TRIGGER = "std_srvs/srv/Trigger"
 SERVICE_HASHES = {TRIGGER: "RIHS01_eeff2cd6fa5ad9d27cdf4dec64818317839b62f212a91e6b5304b634b2062c5f"}
 HEAD = b"\x00\x01\x00\x00"
-"""Of CDR in the order of small computers."""
+"""The head of CDR in little endian."""
 ENDIANNESS = {b"\x00\x00": "deserialize_cdr_be", b"\x00\x01": "deserialize_cdr_le"}
 LARGEST_BYTES = 1 << 16
-"""Of a message that is read: those that are taken are small."""
+"""The largest message that is decoded; all received types are small."""
 S_NS = 1_000_000_000
 
 
 class Stamped(NamedTuple):
-    """A twist (REP 103), and the time in its header. None: there is no header, or no time in it."""
+    """A twist (REP 103), and the time in its header, or None."""
 
     vx_mps: float
     vy_mps: float
@@ -36,12 +36,12 @@ class Stamped(NamedTuple):
 
     @property
     def rests(self) -> bool:
-        """Return whether it asks for no motion."""
+        """Return whether it is a twist of zero."""
         return not any(self[:3])
 
     @property
     def trouble(self) -> Reason | None:
-        """Return why it cannot be followed."""
+        """Return why it cannot be followed, or None."""
         return None if all(map(isfinite, self[:3])) else Reason("bad_value", "its twist is not a number")
 
 
@@ -52,19 +52,19 @@ def _store() -> Any:
 
 @cache
 def type_hash(type_: str, *, humble: bool = False) -> str:
-    """Return the hash of a type as keys and tokens have it."""
+    """Return the hash of a type as in keys and tokens."""
     if humble:
         return HUMBLE_HASH
     return SERVICE_HASHES.get(type_) or str(_store().hash_rihs01(type_))
 
 
 def encode(type_: str, fields: Mapping[str, object]) -> bytes:
-    """Return a message; fields that are not given are zero, empty or false."""
+    """Encode a message; missing fields are zero, empty or false."""
     return bytes(_store().serialize_cdr(_made(type_, fields), type_))
 
 
 def decode(type_: str, data: bytes) -> Any:
-    """Return a message; InputError: it is not one of this type."""
+    """Decode a message; raise InputError if it is not of this type."""
     if len(data) > LARGEST_BYTES:
         raise InputError(f"it has {len(data)} bytes, and {LARGEST_BYTES} are the most", "malformed")
     try:
@@ -74,7 +74,7 @@ def decode(type_: str, data: bytes) -> Any:
 
 
 def twist(type_: str, data: bytes) -> Stamped:
-    """Return what a Twist or a TwistStamped asks for; InputError: it is not one."""
+    """Decode a Twist or TwistStamped; raise InputError for other bytes."""
     message = decode(type_, data)
     made_ns = None
     if type_ == TWIST_STAMPED:
@@ -95,7 +95,7 @@ def nanoseconds(time: Any) -> int:
 
 
 def stamp(at_ns: int) -> dict[str, int]:
-    """Return a time as headers have it."""
+    """Return a time in the form of headers."""
     return {"sec": at_ns // S_NS, "nanosec": at_ns % S_NS}
 
 
@@ -105,8 +105,7 @@ def header(at_ns: int, frame: str) -> dict[str, Any]:
 
 
 def _decoded(type_: str, data: bytes) -> Any:
-    """Return a message; what rclpy leaves behind its end, such as 16 bytes for each point of a trajectory, is not
-    looked at."""
+    """Decode a message; bytes after its end are ignored, as rclpy leaves 16 for each point of a trajectory."""
     if data[:2] not in ENDIANNESS:
         raise SerdeError("its head is not one of CDR")
     described = _store().get_msgdef(type_)
@@ -115,7 +114,7 @@ def _decoded(type_: str, data: bytes) -> Any:
 
 
 def _made(type_: str, fields: Mapping[str, Any]) -> Any:
-    """Return a message as rosbags has it; TypeError: it has no such field."""
+    """Make a message of rosbags; raise TypeError for an unknown field."""
     described = _store().get_msgdef(type_).fields
     unknown = set(fields) - {name for name, _ in described}
     if unknown:

@@ -1,6 +1,6 @@
-"""The twist or the trajectory that the robot follows, by the publishers in ROS, or why it stands. Pure.
+"""The twist or trajectory that the robot follows, by the publishers in ROS, or why it stands. Pure.
 
-One publisher drives at a time. It is the first that asks for motion, until it rests or leaves, its twists fall silent, or
+One publisher drives at a time. It is the first with a motion, until it rests or leaves, its twists fall silent, or
 its trajectory is over. After any interruption that publisher must send a twist of zero, or an empty trajectory, before
 it moves the robot again. So nothing resumes by itself. Another publisher may begin at once.
 """
@@ -20,12 +20,12 @@ from lbr.messages.joints import JointsCommand
 
 MOST_PUBLISHERS = 64
 WINDOW_S = 30.0
-"""The difference of a publisher's clock is that of its quickest message in this time."""
+"""The time over which the quickest message defines the difference of a publisher's clock."""
 AT_REST = Reason("idle", "nobody in ROS asks for motion")
 
 
 class Limits(Struct, frozen=True, kw_only=True):
-    """The fastest that ROS may drive, and what is too old or silent for too long."""
+    """The greatest speeds of ROS, the longest silence, and the greatest delay."""
 
     speed_mps: float
     turn_rps: float
@@ -34,7 +34,7 @@ class Limits(Struct, frozen=True, kw_only=True):
 
 
 class MotionMessage(NamedTuple):
-    """A twist or a trajectory, what came with it, and when it came by the monotonic and by the wall clock here."""
+    """A twist or trajectory, its attachment, and its arrival by the monotonic and by the wall clock here."""
 
     motion: Stamped | Way
     by: Attachment
@@ -43,14 +43,14 @@ class MotionMessage(NamedTuple):
 
 
 class Clock:
-    """The difference of a publisher's wall clock from ours, by its quickest message of late."""
+    """The difference between a publisher's wall clock and ours, by its quickest message of late."""
 
     def __init__(self) -> None:
         self._least_s: list[float] = []
         self._since_s = 0.0
 
     def late_s(self, offset_s: float, now: float) -> float:
-        """Return how much later than the quickest a message came, that was `offset_s` under way by both clocks."""
+        """Return how much longer than the quickest a message took; `offset_s` is its time by both clocks."""
         if not self._least_s or now - self._since_s > WINDOW_S:
             self._least_s, self._since_s = [*self._least_s[-1:], offset_s], now
         self._least_s[-1] = min(self._least_s[-1], offset_s)
@@ -58,7 +58,7 @@ class Clock:
 
 
 class Publisher:
-    """A publisher of motion. It may begin once it `rested`, or if it never drove."""
+    """A publisher of motion. It may begin if it has `rested` since its last interruption."""
 
     def __init__(self) -> None:
         self.clock = Clock()
@@ -69,19 +69,19 @@ class Publisher:
         self.reported: set[Code] = set()
 
     def rest(self) -> None:
-        """Let it begin anew."""
+        """Allow it to begin."""
         self.motion, self.rested = None, True
         self.reported.clear()
 
     def lose(self) -> None:
-        """Require that it rests before it moves the robot again."""
+        """Require a rest before it moves the robot again."""
         self.motion, self.rested = None, False
 
 
 class Driving:
-    """`receive` motion, and ask for the `command` to follow; `lost` are refusals and ends that are still to be reported.
+    """The publishers of motion: `receive` messages, and follow the `command`; `lost` are refusals and ends to report.
 
-    With a reason why it is `denied`, nobody in ROS drives.
+    With a reason why it is `denied`, no publisher in ROS drives.
     """
 
     def __init__(self, limits: Limits, denied: Reason | None = None) -> None:
@@ -94,7 +94,7 @@ class Driving:
 
     @property
     def driver(self) -> bytes:
-        """Return by which publisher the robot is driven; empty if by none."""
+        """Return the publisher that drives the robot, or an empty gid."""
         return self._driver
 
     def receive(self, asked: MotionMessage) -> None:
@@ -121,9 +121,9 @@ class Driving:
             self._driver, publisher.motion = asked.by.gid, asked.motion
 
     def command(self, now: float, ttl_s: float) -> TwistCommand | JointsCommand | None:
-        """Return the motion to follow; None: the robot is to stand, for the reason `stands`.
+        """Return the motion to follow; None if the robot must stand, for the reason `stands`.
 
-        A trajectory is sent once, so that the silence of its publisher means nothing.
+        A trajectory is sent once, so the silence of its publisher is not an end.
         """
         driver = self._publishers.get(self._driver)
         if driver is None or driver.motion is None:
@@ -137,37 +137,37 @@ class Driving:
 
     @property
     def stands(self) -> Reason:
-        """Return why the robot is to stand."""
+        """Return why the robot must stand."""
         return self._stands
 
     def finish(self) -> None:
-        """Note that the motion has ended as planned; its publisher may begin anew."""
+        """Note the planned end of the motion; its publisher may begin again."""
         gid, self._driver, self._stands = self._driver, b"", AT_REST
         if (publisher := self._publishers.get(gid)) is not None:
             publisher.rest()
 
     def end(self, why: Reason) -> None:
-        """End what goes on: who drove must rest before it moves the robot again."""
+        """End the motion; its publisher must rest before it moves the robot again."""
         gid, self._driver, self._stands = self._driver, b"", why
         if (publisher := self._publishers.get(gid)) is not None:
             publisher.lose()
             self._report(gid, publisher, why)
 
     def leave(self, gid: bytes, why: Reason) -> None:
-        """A publisher is gone; one that comes back, as through a new router, must rest first."""
+        """Note that a publisher is gone; if it comes back, as through a new router, it must rest first."""
         if gid == self._driver:
             self.end(why)
         elif (publisher := self._publishers.get(gid)) is not None:
             publisher.lose()
 
     def end_all(self, why: Reason) -> None:
-        """Require of every publisher that it rests."""
+        """End the motion; every publisher must rest first."""
         self.end(why)
         for publisher in self._publishers.values():
             publisher.lose()
 
     def malformed(self, gid: bytes, why: str) -> None:
-        """A message of a publisher cannot be read."""
+        """Refuse a message that cannot be decoded."""
         self._refuse(gid, self._publisher(gid), Reason("malformed", why))
 
     def _publisher(self, gid: bytes) -> Publisher:
@@ -207,7 +207,7 @@ class Driving:
             self.lost.append((gid, why))
 
     def _limited(self, twist: Stamped, ttl_s: float) -> TwistCommand:
-        """Return a twist scaled down as a whole to what ROS may."""
+        """Scale a twist down to the limits, in its direction."""
         speed, turn = hypot(twist.vx_mps, twist.vy_mps), abs(twist.wz_rps)
         share = min(1.0, self._limits.speed_mps / max(speed, 1e-9), self._limits.turn_rps / max(turn, 1e-9))
         return TwistCommand(

@@ -7,11 +7,11 @@ from lbr.apps.ros2.wire import Endpoint, Node
 from lbr.errors import InputError
 
 MOST = 2000
-"""Of entities; more are not looked at."""
+"""The most entities; further ones are ignored."""
 
 
 class Graph:
-    """All others, by their tokens."""
+    """All other entities, by their tokens."""
 
     def __init__(self) -> None:
         self._entities: dict[str, Node | Endpoint] = {}
@@ -20,7 +20,7 @@ class Graph:
         self._subscribed: frozenset[tuple[str, str]] | None = None
 
     def come(self, token: str) -> Endpoint | Node | None:
-        """Note an entity; return it if it is new."""
+        """Add an entity; return it if it is new."""
         try:
             entity = wire.token(token)
         except InputError:
@@ -37,34 +37,34 @@ class Graph:
         return entity
 
     def go(self, token: str) -> Endpoint | Node | None:
-        """Forget an entity; return it if it was known."""
+        """Remove an entity; return it if it was known."""
         self._subscribed = None
         self._gids.discard(wire.gid(token))
         return self._entities.pop(token, None)
 
     def clear(self) -> None:
-        """Forget all: the router is gone."""
+        """Forget all, as the router is gone."""
         self._entities.clear()
         self._gids.clear()
         self._subscribed = None
 
     @property
     def nodes(self) -> int:
-        """Return how many nodes there are."""
+        """Return the number of nodes."""
         return sum(isinstance(one, Node) for one in self._entities.values())
 
     def subscribed(self, topic: str, type_: str) -> bool:
-        """Return whether somebody subscribes to a topic by its type."""
+        """Return whether a topic has a subscriber of its type."""
         if self._subscribed is None:
             self._subscribed = frozenset((one.topic, one.type) for one in self._of("MS"))
         return (topic, type_) in self._subscribed
 
     def name(self, gid: bytes) -> str:
-        """Return the node of an endpoint, for people; also of one that is gone."""
+        """Return the node of an endpoint, for people; even of one that is gone."""
         return found.node.path if (found := self._named.get(gid)) is not None else "somebody without a token"
 
     def place(self, gid: bytes) -> str:
-        """Return the topic of an endpoint, for people, after its node."""
+        """Return the topic of an endpoint, for people, to follow its node."""
         return f" on {found.topic}" if (found := self._named.get(gid)) is not None else ""
 
     def knows(self, gid: bytes) -> bool:
@@ -76,9 +76,9 @@ class Graph:
 
 
 def refusal_of(endpoint: Endpoint, accepted: Mapping[str, Mapping[str, Collection[str]]]) -> str:
-    """Return why the messages of an endpoint are refused; `accepted` are topics with their types and those types' hashes.
+    """Return why the messages of an endpoint are refused; empty if they are not, or its topic is not received.
 
-    Empty: nothing of that topic is received, or its messages are.
+    `accepted` are the topics with their types and those types' hashes.
     """
     if endpoint.kind != "MP" or endpoint.topic not in accepted:
         return ""

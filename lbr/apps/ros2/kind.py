@@ -77,7 +77,7 @@ class Ros2Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
 
 def address(endpoint: str) -> tuple[str, int]:
-    """Return host and port of an address as Zenoh writes it."""
+    """Return host and port of an address in Zenoh's form."""
     host, _, port = endpoint.partition("/")[2].rpartition(":")
     return host.strip("[]"), int(port)
 
@@ -95,7 +95,7 @@ _STREAMS: dict[str, type[Struct]] = {
 }
 
 SHOWN = frozenset({*_STREAMS, "ranges", "scans", "imu", "frames"})
-"""The inputs that are read while somebody in ROS subscribes."""
+"""The inputs that are read while a node in ROS subscribes."""
 
 KIND = Kind(
     name="ros2",

@@ -1,11 +1,11 @@
-"""The connection to ROS: a Zenoh session and those after it, opened and closed by a thread of its own.
+"""The connection to ROS: Zenoh sessions, opened and closed by a thread of its own.
 
     loop                                        thread
       publish, reply ─────────────────────────►   session to rmw_zenohd, or the router for ROS itself
-      tokens, samples, requests ◄── inboxes ◄──   what comes there
+      tokens, samples, requests ◄── inboxes ◄──   received there
 
-A session ends with its router. A new router does not know the declarations of old sessions, so that a new session
-declares all of them again.
+A session ends with its router. A new router does not know the declarations of old sessions, so a new session declares
+all of them again.
 """
 
 import json
@@ -51,14 +51,14 @@ class Router(Struct, frozen=True, kw_only=True):
 
 
 class Token(NamedTuple):
-    """An entity of ROS came, or went."""
+    """An entity of ROS that appeared or disappeared."""
 
     present: bool
     text: str
 
 
 class Sample(NamedTuple):
-    """A message, and when it came by the monotonic and by the wall clock."""
+    """A message, and its arrival by the monotonic and by the wall clock."""
 
     key: str
     payload: bytes
@@ -68,14 +68,14 @@ class Sample(NamedTuple):
 
 
 class Request(NamedTuple):
-    """A call of a service, to be replied to once."""
+    """A call of a service, to be answered once."""
 
     service: str
     query: zenoh.Query
 
 
 class Outlet:
-    """A publisher with its number and name; the loop alone sends."""
+    """A publisher with its number and gid; only the loop sends."""
 
     def __init__(self, publisher: zenoh.Publisher | zenoh.ext.AdvancedPublisher, gid: bytes) -> None:
         self._publisher = publisher
@@ -86,12 +86,12 @@ class Outlet:
         """Send a message."""
         self._sequence += 1
         attachment = bytes(Attachment(self._sequence, time.time_ns(), self._gid))
-        with suppress(zenoh.ZError):  # of a session that is just being closed
+        with suppress(zenoh.ZError):  # the session is being closed
             self._publisher.put(payload, encoding=zenoh.Encoding(CDR), attachment=attachment)
 
 
 class Link:
-    """`start` and `close` it; `connected` and `trouble` are how it stands, `count` how many connections there were."""
+    """The connections to ROS: `connected` and `trouble` are the present state, `count` is their number."""
 
     def __init__(
         self,
@@ -114,19 +114,19 @@ class Link:
         self._thread = threading.Thread(target=self._run, name="ros2", daemon=True)
 
     def start(self) -> None:
-        """Connect, and go on doing so."""
+        """Connect, and reconnect, until `close`."""
         self._thread.start()
 
     def tokens(self) -> list[Token]:
-        """Return the tokens that came and went since the last call."""
+        """Return the tokens since the last call."""
         return _drained(self._tokens)
 
     def samples(self) -> list[Sample]:
-        """Return the messages that came since the last call; of too many the newest."""
+        """Return the messages since the last call; of too many the newest."""
         return _drained(self._samples)
 
     def requests(self) -> list[Request]:
-        """Return which services were called since the last call."""
+        """Return the calls of services since the last call."""
         return _drained(self._requests)
 
     def publish(self, port: str, payload: bytes) -> None:
@@ -143,7 +143,7 @@ class Link:
             query.drop()
 
     def close(self, within_s: float = 0.5) -> None:
-        """Leave; a router that does not listen is left all the same."""
+        """Disconnect, within `within_s` even if the router does not answer."""
         self._ends.set()
         self._lost.set()
         if self._thread.is_alive():
@@ -166,13 +166,13 @@ class Link:
             self._ends.wait(min(LONGEST_WAIT_S, wait_s(tries)))
 
     def _connection(self) -> None:
-        """Connect and stay until the router is gone; raise why there is no connection."""
+        """Connect and stay until the router is gone; raise the reason of a failure."""
         self._lost.clear()
         if not self.router.listen:
             _knock(self.router.connect)
         session = zenoh.open(zenoh.Config.from_json5(json.dumps(_settings(self.router))))
         try:
-            declared = self._declare(session)  # what nobody holds is undeclared
+            declared = self._declare(session)  # a declaration ends with its last reference
             self._lost.wait()
             declared.clear()
             self.trouble = "its router is gone"
@@ -185,7 +185,7 @@ class Link:
         self._wake()
 
     def _declare(self, session: zenoh.Session) -> list[object]:
-        """Declare all that the robot is in ROS, and look who else is there; return what is declared."""
+        """Declare all the robot's entities in ROS, and subscribe to those of others; return the declarations."""
         self._tokens.clear()
         self._samples.clear()
         self._zid = str(session.zid())
@@ -271,7 +271,7 @@ def _drained(inbox: deque[T]) -> list[T]:
 
 
 def _knock(endpoint: str) -> None:
-    """Raise OSError if nothing listens there: a session costs much more to try."""
+    """Raise BusError if nothing listens there, as opening a session costs much more."""
     try:
         socket.create_connection(address(endpoint), CONNECT_S).close()
     except OSError as err:
@@ -279,7 +279,7 @@ def _knock(endpoint: str) -> None:
 
 
 def _settings(router: Router) -> dict[str, object]:
-    """Return the configuration of a session, in Zenoh's own words: as rmw_zenoh has it, where the two must agree."""
+    """Return the configuration of a session, equal to that of rmw_zenoh where the two must agree."""
     common: dict[str, object] = {
         "scouting": {"multicast": {"enabled": False}, "gossip": {"enabled": bool(router.listen)}, "delay": 0},
         "transport": {
@@ -289,7 +289,7 @@ def _settings(router: Router) -> dict[str, object]:
             },
             "shared_memory": {"enabled": False},
         },
-        "timestamping": {"enabled": True},  # without it there are no publishers whose last message waits
+        "timestamping": {"enabled": True},  # publishers need it to keep their last message
         "adminspace": {"enabled": False},
     }
     if router.listen:

@@ -1,4 +1,4 @@
-"""Messages on `ros2/*`: how it stands with ROS."""
+"""Messages on `ros2/*`: the state of the connection to ROS."""
 
 from msgspec import Struct
 

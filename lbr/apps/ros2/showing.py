@@ -1,4 +1,4 @@
-"""Publishes the robot's streams in ROS while a node subscribes to them, with the time of their measurement."""
+"""Publishes the robot's streams in ROS while nodes subscribe to them, dated by their measurement."""
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -50,7 +50,7 @@ class Showing:
         self.wanted: frozenset[str] = frozenset()
 
     def begin(self) -> None:
-        """Publish the fixed transforms and the body: once for each connection, for later subscribers too."""
+        """Publish the fixed transforms and the body: once for each connection, also for later subscribers."""
         now_ns = self._wall_ns()
         self._send(TF_STATIC, {"transforms": shown.fixed(self._model, self._sensors.values(), now_ns)})
         self._send(DESCRIPTION, {"data": urdf(self._model)})
@@ -144,16 +144,16 @@ class Showing:
                 yield topics.info_topic(camera), shown.camera_info(data, camera, self._eyes.get(camera), at_ns)
 
     def _state(self, port: str, now: float) -> Any:
-        """Return the newest state of a part; None: nothing came, or it is old."""
+        """Return the newest state of a part; None if it is missing or old."""
         newest = self._ctx.latest(port)
         return newest.message if newest is not None and newest.age_s(now) <= OLD_S else None
 
     def _at_ns(self, mono_s: float) -> int:
-        """Return when something was, by the wall clock."""
+        """Convert a monotonic time to the wall clock."""
         return self._wall_ns() - round((self._ctx.clock() - mono_s) * 1e9)
 
     def _due(self, name: str, now: float) -> bool:
-        """Return whether it may be shown again, at the row's rate."""
+        """Return whether it is due again, at the row's rate."""
         if now < self._next.get(name, now):
             return False
         self._next[name] = now + 0.9 / self._ctx.settings.rate_hz

@@ -1,4 +1,4 @@
-"""The robot's streams as messages of ROS (REP 103, 105, 117): fields by name; those left out are zero. Pure."""
+"""The robot's streams as messages of ROS (REP 103, 105, 117): fields by name; missing ones are zero. Pure."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import inf, nan, pi, tan
@@ -20,9 +20,9 @@ ODOM, BASE = "odom", "base_link"
 UNKNOWN = (-1.0, *(0.0,) * 8)
 """The covariance of a value that is not measured."""
 CAMERA = "camera_"
-"""A camera of the body has this before its name as a capability."""
+"""The prefix of a body's camera in its name as a capability."""
 LENS = Place(turn=(0.5, -0.5, 0.5, -0.5))
-"""ROS has a camera look along its z, with x to the right and y down."""
+"""The turn to a camera's axes in ROS: z ahead, x to the right, y down."""
 ULTRASOUND, INFRARED = 0, 1
 CHARGING, DISCHARGING, NOT_CHARGING = 1, 2, 3
 OK, WARN, ERROR, STALE = range(4)
@@ -45,12 +45,12 @@ def odometry(state: OdometryState, at_ns: int) -> Fields:
 
 
 def base(state: OdometryState) -> Place:
-    """Return where the base is."""
+    """Return the place of the base."""
     return Place((state.x_m or 0.0, state.y_m or 0.0, 0.0), turning.about((0.0, 0.0, 1.0), state.yaw_rad or 0.0))
 
 
 def moving(model: RobotModel, angles: Mapping[str, float], at_ns: int) -> list[Fields]:
-    """Return transforms of the links that joints move."""
+    """Return the transforms of links that joints move."""
     return [
         transform(parent(link, model), link.name, placed(link, angles.get(link.joint, 0.0), model), at_ns)
         for link in model.links
@@ -59,7 +59,7 @@ def moving(model: RobotModel, angles: Mapping[str, float], at_ns: int) -> list[F
 
 
 def fixed(model: RobotModel, sensors: Iterable[RangeSensor], at_ns: int) -> list[Fields]:
-    """Return transforms of the links that nothing moves, and of what measures distances."""
+    """Return the transforms of fixed links, cameras and range sensors."""
     links = [
         transform(parent(link, model), link.name, placed(link, 0.0, model), at_ns)
         for link in model.links
@@ -79,18 +79,18 @@ def fixed(model: RobotModel, sensors: Iterable[RangeSensor], at_ns: int) -> list
 
 
 def moves(link: Link, model: RobotModel) -> bool:
-    """Return whether a joint of a row moves a link; wheels are drawn standing."""
+    """Return whether a joint with a row moves a link; wheels are drawn without their turning."""
     joint = model.joints.get(link.joint) if link.joint else None
     return joint is not None and joint.kind != "wheel"
 
 
 def parent(link: Link, model: RobotModel) -> str:
-    """Return the frame that a link lies in."""
+    """Return the parent frame of a link."""
     return link.parent if any(link.parent == one.name for one in model.links) else BASE
 
 
 def placed(link: Link, value: float, model: RobotModel) -> Place:
-    """Return where a link lies in its parent, its joint at a value."""
+    """Return the place of a link in its parent, with its joint at a value."""
     at = Place(link.origin_xyz, turning.by_euler(link.origin_rpy, "XYZ"))
     joint = model.joints.get(link.joint)
     if joint is not None and joint.kind == "slide":
@@ -100,7 +100,7 @@ def placed(link: Link, value: float, model: RobotModel) -> Place:
 
 
 def frame(sensor: RangeSensor) -> str:
-    """Return the frame of a sensor of distance."""
+    """Return the frame of a range sensor."""
     return f"{sensor.name}_range"
 
 
@@ -127,7 +127,7 @@ def pose(at: Place) -> Fields:
 
 
 def joint_states(state: JointsState, at_ns: int) -> Fields:
-    """Return a JointState of the joints that were measured; what is not known of one is NaN."""
+    """Return a JointState of the measured joints; an unknown speed is NaN."""
     measured = {name: joint for name, joint in state.joints.items() if joint.position_rad is not None}
     return {
         "header": header(at_ns, ""),
@@ -138,7 +138,7 @@ def joint_states(state: JointsState, at_ns: int) -> Fields:
 
 
 def imu(sample: ImuSample, attitude: AttitudeState | None, at_ns: int) -> Fields:
-    """Return an Imu, with the robot's own orientation if that is known."""
+    """Return an Imu, with the robot's own orientation if it is known."""
     turn = attitude.orientation if attitude is not None and attitude.valid else None
     return {
         "header": header(at_ns, BASE),
@@ -152,7 +152,7 @@ def imu(sample: ImuSample, attitude: AttitudeState | None, at_ns: int) -> Fields
 
 
 def laser_scan(scan: Scan, sensor: RangeSensor, at_ns: int) -> Fields:
-    """Return a LaserScan, whose time is that of its first ray."""
+    """Return a LaserScan, dated by its first ray."""
     took_s = scan.scan_s or 0.0
     return {
         "header": header(at_ns - round(took_s * 1e9), frame(sensor)),
@@ -168,7 +168,7 @@ def laser_scan(scan: Scan, sensor: RangeSensor, at_ns: int) -> Fields:
 
 
 def range_(ranges: Ranges, sensor: RangeSensor, at_ns: int) -> Fields | None:
-    """Return a Range of a sensor; None: it measured nothing."""
+    """Return a Range of a sensor; None if it measured nothing."""
     metres = ranges.metres(sensor.name)
     if metres is None and ranges.status.get(sensor.name) != "over_range":
         return None
@@ -183,7 +183,7 @@ def range_(ranges: Ranges, sensor: RangeSensor, at_ns: int) -> Fields | None:
 
 
 def battery(state: BatteryState, at_ns: int) -> Fields:
-    """Return a BatteryState; what is not known is NaN, and current that flows out is negative."""
+    """Return a BatteryState; unknown values are NaN, and a current that flows out is negative."""
     charging = {True: CHARGING, False: NOT_CHARGING if state.source == "mains" else DISCHARGING, None: 0}
     return {
         "header": header(at_ns, ""),
@@ -205,9 +205,9 @@ def picture(data: bytes, camera: str, at_ns: int) -> Fields:
 
 
 def camera_info(data: bytes, camera: str, body: Sensor | None, at_ns: int) -> Fields:
-    """Return a CameraInfo of a picture; without a known field of view it is that of a camera not calibrated.
+    """Return a CameraInfo of a picture; without a known field of view, that of an uncalibrated camera.
 
-    The lens is taken for one without distortion, and its centre for that of the picture.
+    The lens is assumed to have no distortion, and its centre that of the picture.
     """
     width, height = size_px(data) or (0, 0)
     fields: Fields = {"header": header(at_ns, camera), "width": width, "height": height}
@@ -224,7 +224,7 @@ def camera_info(data: bytes, camera: str, body: Sensor | None, at_ns: int) -> Fi
 
 
 def diagnostics(robot: str, states: Mapping[str, object], at_ns: int) -> Fields:
-    """Return a DiagnosticArray with the state of each part; a part without one is stale."""
+    """Return a DiagnosticArray with the state of each part; a missing state is stale."""
     return {
         "header": {"stamp": stamp(at_ns)},
         "status": [_status(robot, name, state) for name, state in sorted(states.items())],

@@ -1,4 +1,4 @@
-"""The topics and services of the robot in ROS with their types, by its rows and wires. Pure."""
+"""The topics and services of the robot in ROS with their types, from its rows and wires. Pure."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
@@ -9,7 +9,7 @@ from lbr.apps.ros2.wire import HUMBLE_HASH, EndpointKind, Port, Qos, topic_key
 from lbr.messages.sensing import RangeSensor
 
 ACCEPTED = {"drive": ("cmd_vel", (codec.TWIST, codec.TWIST_STAMPED)), "joints": ("joint_trajectory", (TRAJECTORY,))}
-"""The topic that moves a part, and its types, by the input with the state of that part."""
+"""The topic that moves a part, and its types, by the input of that part's state."""
 ODOM, TF, TF_STATIC, JOINT_STATES, IMU = "odom", "tf", "tf_static", "joint_states", "imu/data"
 BATTERY, DIAGNOSTICS, DESCRIPTION = "battery_state", "diagnostics", "robot_description"
 SENSED, KEPT = Qos(reliable=False, depth=5), Qos(transient_local=True, depth=1)
@@ -19,13 +19,13 @@ STREAMS = {
     "imu": (IMU, "sensor_msgs/msg/Imu"),
     "battery": (BATTERY, "sensor_msgs/msg/BatteryState"),
 }
-"""By each input the topic that shows it, and its type."""
+"""The topic of each input, and its type."""
 
 
 def ports(
     settings: Ros2Settings, sources: Callable[[str], Sequence[str]], sensors: Iterable[RangeSensor]
 ) -> dict[str, Port]:
-    """Return what is published, by topic without the namespace, and what is received and served, by name."""
+    """Return the published topics, without the namespace, and the received topics and services, by name."""
     shown = [*_always(), *_measured(sources, tuple(sensors))]
     shown += [(topic, type_, Qos()) for port, (topic, type_) in STREAMS.items() if sources(port)]
     made = {topic: _port(settings, "MP", topic, type_, qos) for topic, type_, qos in shown}
@@ -42,13 +42,13 @@ def received(sources: Callable[[str], Sequence[str]]) -> dict[str, tuple[str, ..
 
 
 def scan_topics(sources: Callable[[str], Sequence[str]], sensors: Iterable[RangeSensor]) -> dict[str, str]:
-    """Return the topic of each sensor that scans: `scan` for the first one."""
+    """Return the topic of each scanning sensor: `scan` for the first one."""
     scanning = [one.name for one in sensors if one.rays > 1] if sources("scans") else []
     return {name: f"scan_{name}" if at else "scan" for at, name in enumerate(scanning)}
 
 
 def range_topic(sensor: str) -> str:
-    """Return the topic of a sensor of single distances."""
+    """Return the topic of a sensor with one ray."""
     return f"range/{sensor}"
 
 
@@ -58,12 +58,12 @@ def picture_topic(camera: str) -> str:
 
 
 def info_topic(camera: str) -> str:
-    """Return the topic of what is known of a camera."""
+    """Return the topic of a camera's parameters."""
     return f"{camera}/camera_info"
 
 
 def accepted(settings: Ros2Settings, sources: Callable[[str], Sequence[str]]) -> dict[str, dict[str, tuple[str, str]]]:
-    """Return the topics that are received, with their types and the hashes that those may have."""
+    """Return the received topics, with their types and those types' valid hashes."""
     return {
         f"{settings.namespace}/{topic}": {one: (codec.type_hash(one), HUMBLE_HASH) for one in types}
         for topic, types in received(sources).items()

@@ -13,7 +13,7 @@ TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
 
 
 class Way(NamedTuple):
-    """Key frames, or the `trouble` with them, and the time in the header. None: there is no time in it."""
+    """Key frames, or the `trouble` with them, and the time in the header, or None."""
 
     frames: tuple[KeyFrame, ...]
     trouble: Reason | None
@@ -21,12 +21,12 @@ class Way(NamedTuple):
 
     @property
     def rests(self) -> bool:
-        """Return whether it asks for no motion: it is empty."""
+        """Return whether it is empty, which is a rest."""
         return not self.frames and self.trouble is None
 
 
 def trajectory(data: bytes, known: Collection[str]) -> Way:
-    """Return what a JointTrajectory asks of the joints that are `known`; InputError: it is not one."""
+    """Decode a JointTrajectory of the `known` joints; raise InputError for other bytes."""
     message = codec.decode(TRAJECTORY, data)
     names, points = message.joint_names, message.points
     trouble = (_unfit(names, points, known) or _untimely(points)) if names or points else None

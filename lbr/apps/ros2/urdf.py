@@ -1,4 +1,4 @@
-"""A robot's body as URDF, which RViz draws: its links, shapes and joints, below `base_link`. Pure."""
+"""A robot's body as URDF, for RViz: its links, shapes and joints, below `base_link`. Pure."""
 
 from collections.abc import Iterator, Sequence
 from xml.sax.saxutils import quoteattr
@@ -8,11 +8,11 @@ from lbr.apps.ros2.shown import BASE, moves, parent
 
 LEAST_M = 0.001
 FAST_RPS, STRONG = 1.0, 100.0
-"""URDF needs these of every joint. They are in no row, and nothing here moves by them."""
+"""Values that URDF requires of every joint. No row has them, and no motion depends on them."""
 
 
 def urdf(model: RobotModel) -> str:
-    """Return the description of a body; of one that is not known, of its base alone."""
+    """Return the URDF of a body; of an unknown one, of its base alone."""
     lines = [f"<robot name={quoteattr(model.robot)}>"]
     if all(link.name != BASE for link in model.links):
         lines.append(f"  <link name={quoteattr(BASE)}/>")

@@ -21,7 +21,7 @@ from lbr.errors import InputError
 
 ADMIN = "@ros2_lv"
 HUMBLE_HASH = "TypeHashNotSupported"
-"""Humble writes this instead of a type's hash."""
+"""Humble's value in place of a type's hash."""
 CDR = "application/cdr"
 EndpointKind = Literal["MP", "MS", "SS", "SC"]
 """Publisher, subscriber, server and client of a service."""
@@ -32,7 +32,7 @@ _NODE_PARTS, _ENDPOINT_PARTS = 9, 13
 
 
 class Qos(Struct, frozen=True, kw_only=True):
-    """The delivery of a topic, as far as it may differ from rmw_zenoh's default."""
+    """The delivery of a topic, where it may differ from rmw_zenoh's default."""
 
     reliable: bool = True
     transient_local: bool = False
@@ -62,7 +62,7 @@ class Node(Struct, frozen=True, kw_only=True):
 
 
 class Endpoint(Struct, frozen=True, kw_only=True):
-    """A publisher, a subscriber, or one side of a service; `type` is as ROS writes it, `geometry_msgs/msg/Twist`."""
+    """A publisher, a subscriber, or one side of a service; `type` is in ROS's form, `geometry_msgs/msg/Twist`."""
 
     node: Node
     id: str
@@ -79,18 +79,17 @@ class Endpoint(Struct, frozen=True, kw_only=True):
 
     @property
     def gid(self) -> bytes:
-        """Return by what its messages and requests name it."""
+        """Return its identifier in messages and requests."""
         return gid(str(self))
 
     @property
     def key(self) -> str:
-        """Return the key that its messages are on."""
+        """Return the key of its messages."""
         return topic_key(self.node.domain, self.topic, self.type, self.hash)
 
 
 class Port(Struct, frozen=True, kw_only=True):
-    """A topic that is published or subscribed to, or a service; `keys` are those of a subscriber, if not that type's
-    key alone."""
+    """A published or received topic, or a service; `keys` are a subscriber's, if it has more than its type's."""
 
     kind: EndpointKind
     topic: str
@@ -112,28 +111,28 @@ class Attachment(NamedTuple):
 
 
 def topic_key(domain: int, topic: str, type_: str, hash_: str) -> str:
-    """Return the key that a topic's messages, or a service's requests, are on."""
+    """Return the key of a topic's messages, or of a service's requests."""
     return f"{domain}/{topic.strip('/')}/{dds_type(type_)}/{hash_}"
 
 
 def hash_in(key: str) -> str:
-    """Return the hash of the type of which a message on a key is."""
+    """Return the hash of the type in a key."""
     return key.rpartition("/")[2]
 
 
 def type_in(key: str) -> str:
-    """Return the type of a message on a key; InputError: the key is malformed."""
+    """Return the type in a key; raise InputError if the key is malformed."""
     return ros_type(key.split("/")[-2])
 
 
 def dds_type(type_: str) -> str:
-    """Return a type as keys have it: `geometry_msgs::msg::dds_::Twist_`."""
+    """Return a type in the form of keys: `geometry_msgs::msg::dds_::Twist_`."""
     package, kind, name = type_.split("/")
     return f"{package}::{kind}::dds_::{name}_"
 
 
 def ros_type(dds: str) -> str:
-    """Return a type as ROS writes it; InputError: it is not one."""
+    """Return a type in ROS's form; raise InputError for anything else."""
     found = _DDS.fullmatch(dds)
     if found is None:
         raise InputError(f"'{dds[:80]}' is not a type of ROS", "malformed")
@@ -141,18 +140,18 @@ def ros_type(dds: str) -> str:
 
 
 def mangled(name: str) -> str:
-    """Return a name as a token has it."""
+    """Return a name in the form of tokens."""
     return name.replace("/", "%")
 
 
 def gid(token: str) -> bytes:
-    """Return by what the messages of an endpoint with this token name it."""
+    """Return the identifier of the endpoint with this token."""
     digest = xxhash.xxh3_128(token.encode()).intdigest()
     return digest.to_bytes(GID_BYTES, "little")
 
 
 def token(text: str) -> Node | Endpoint | None:
-    """Return the entity of a token; None: its kind is not known here. InputError: the token is malformed."""
+    """Return the entity of a token, None if its kind is unknown; raise InputError for a malformed token."""
     parts = text.split("/")
     if len(text) > LONGEST_TOKEN or len(parts) < _NODE_PARTS or parts[0] != ADMIN or not parts[1].isdecimal():
         raise InputError(f"'{text[:80]}' is not a token of ROS", "malformed")
@@ -169,7 +168,7 @@ def token(text: str) -> Node | Endpoint | None:
 
 
 def attachment(data: bytes) -> Attachment:
-    """Return the attachment of a message; InputError: it is not one of rmw_zenoh."""
+    """Decode the attachment of a message; raise InputError if it is not rmw_zenoh's."""
     if len(data) == 33 and data[16] == GID_BYTES:
         sequence, sent_ns = struct.unpack_from("<qq", data)
         return Attachment(sequence, sent_ns, data[17:])
@@ -179,7 +178,7 @@ def attachment(data: bytes) -> Attachment:
 
 
 def _named(data: bytes) -> Attachment | None:
-    """Return an attachment that names its values, as rmw_zenoh 0.2.0 to 0.2.3 wrote it."""
+    """Decode an attachment with named values, as of rmw_zenoh 0.2.0 to 0.2.3."""
     values: dict[str, bytes] = {}
     at = 0
     for size in (8, 8, 1 + GID_BYTES):

@@ -1,4 +1,4 @@
-"""The services: the stops, and a line of the console each; and the motion that a line begins."""
+"""The services: the stops, and one for each console line, with the motion that a line begins."""
 
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
@@ -17,11 +17,11 @@ SAY_S, STOP_S = 3.0, 1.0
 MOST_WAITING = 4
 FROM_ROS = "stopped from ROS"
 Reply = Callable[[str, bool], None]
-"""Answers a call: by a text, and whether it was done."""
+"""Answers a call: with a text, and whether it succeeded."""
 
 
 class Waiting(NamedTuple):
-    """A call, and what was asked of others for it."""
+    """A call, and the request that must be answered first."""
 
     service: str
     question: PendingReply
@@ -29,7 +29,7 @@ class Waiting(NamedTuple):
 
 
 class Words:
-    """Does what services ask for, one motion at a time."""
+    """Carries out the calls of services, one motion at a time."""
 
     def __init__(self, ctx: Context[Any], lines: Mapping[str, str], denied: Reason | None) -> None:
         self._ctx = ctx
@@ -41,11 +41,11 @@ class Words:
 
     @property
     def moving(self) -> str:
-        """Return the service whose motion goes on."""
+        """Return the service whose motion goes on, or an empty string."""
         return self._service if self._holder.asks else ""
 
     def call(self, service: str, reply: Reply) -> None:
-        """Do what a service is for; it is answered at once or later. A stop is for everybody."""
+        """Carry out a call; the reply comes at once or later. A stop is for everybody."""
         if service == ESTOP:
             self._ctx.engage_estop("from ROS")
             reply("the emergency stop is engaged", True)
@@ -62,7 +62,7 @@ class Words:
             self._waiting.append(Waiting(service, question, reply))
 
     def step(self, results: list[GoalResult]) -> None:
-        """Read answers, and renew what moves."""
+        """Read answers, and renew the motion."""
         for call in [call for call in self._waiting if call.question.answers() is not None]:
             self._waiting.remove(call)
             answers = call.question.answers() or {}
@@ -76,7 +76,7 @@ class Words:
             self._report(self._service, ended)
 
     def halt(self, why: str, *, lost: bool = False) -> None:
-        """Have what a service moves stand."""
+        """Stop the motion of a service."""
         self._holder.release(why, lost=lost)
 
     def _answer(self, call: Waiting, answer: object) -> None:
@@ -90,7 +90,7 @@ class Words:
             call.reply(f"{why} [{why.code}]" if why is not None else answer.text, why is None)
 
     def _hold(self, service: str, hold: Hold) -> Reason | None:
-        """Go on with the motion that a line began; return why that cannot be."""
+        """Hold the motion that a line began; return why that is not possible, or None."""
         if not hold.goal:
             return Reason("not_possible", "it has no end of its own, and nobody to end it: publish on cmd_vel instead")
         target = target_of(self._ctx, hold)

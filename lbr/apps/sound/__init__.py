@@ -1,1 +1,1 @@
-"""Sounds for any app that plays some: WAV files, safe names of files, and sinks that say whether they were heard."""
+"""Sounds for apps that play some: WAV files, safe names of files, and sinks that report whether a sound was played."""

@@ -1,8 +1,8 @@
 """Decodes a sound file to PCM WAV, in a process of its own: `python -m lbr.apps.sound.decode FROM TO`.
 
-People put any file into a folder, so that it is read by a process that may die, hang and be killed. It has no network:
-of what the library knows, only files are read, and no lists that name other files. Exit code 1 and one sentence on the
-standard error if there is no sound in it.
+People put any file into a folder, so it is read by a process that may crash, hang and be killed. The library may read
+the file only: no network, and no formats that name other files. Without sound in the file the exit code is 1, with one
+sentence on the standard error.
 """
 
 import resource
@@ -20,12 +20,12 @@ RATE_HZ = 44_100
 LONGEST_S = 1800.0
 MEMORY_BYTES = 2 << 30
 CONTAINERS = "wav,w64,aiff,caf,au,mp3,flac,ogg,amr,aac,asf,matroska,webm,mov,mp4,m4a,3gp,3g2,mj2"
-"""The formats that FFmpeg may take a file for, by its own names; none of them opens other files."""
+"""The formats that FFmpeg may detect, by its own names; none of them opens other files."""
 OPTIONS = {"format_whitelist": CONTAINERS, "protocol_whitelist": "none"}
 
 
 def decode(source: Path, target: Path) -> None:
-    """Write a file's sound, of one channel, as PCM WAV; InputError names the fault of the file."""
+    """Write a file's sound, as mono PCM WAV; raise InputError with the fault of the file."""
     formats.ensure_decodable(source)
     import av
 
@@ -44,12 +44,12 @@ def decode(source: Path, target: Path) -> None:
 
 
 def _whatever_its_tags(av: Any) -> dict[str, str]:
-    """Return what opens a file whose title is in no known encoding; from PyAV 19 on nothing need be said."""
+    """Return the options for files whose tags have no known encoding, which PyAV needs before 19."""
     return {"metadata_errors": "ignore"} if int(av.__version__.partition(".")[0]) < 19 else {}
 
 
 def _sound(av: Any, container: Any) -> Iterator[bytes]:
-    """Return the samples, piece by piece; pieces that are damaged are left out."""
+    """Yield the samples, piece by piece; damaged pieces are left out."""
     resampler = av.AudioResampler(format="s16", layout="mono", rate=RATE_HZ)
     for packet in container.demux(container.streams.audio[0]):
         try:

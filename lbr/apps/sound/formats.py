@@ -1,4 +1,4 @@
-"""Which files besides PCM WAV are recordings, and whether this computer can decode them."""
+"""The file formats of recordings besides PCM WAV, and whether this computer can decode them."""
 
 from importlib.util import find_spec
 from pathlib import Path
@@ -10,17 +10,17 @@ OTHERS = (
     ".mp3", ".flac", ".ogg", ".oga", ".opus", ".m4a", ".mp4", ".aac", ".amr", ".awb", ".3gp", ".webm", ".mka",
     ".aif", ".aiff", ".caf", ".wma",
 )  # fmt: skip
-"""In the order in which files of one name count; PCM WAV comes before all, because it needs no decoding."""
+"""In the order in which files of one name count. PCM WAV, which needs no decoding, comes before them."""
 LIBRARY = "av"
 INSTALL = "`pip install 'lbr[recordings]'` brings what decodes it"
 
 
 def decodes() -> bool:
-    """Return whether there is a library that decodes files."""
+    """Return whether the library that decodes files is installed."""
     return find_spec(LIBRARY) is not None
 
 
 def ensure_decodable(path: Path) -> None:
-    """Raise InputError, which names the missing package, without a library that decodes files."""
+    """Raise InputError with the missing package if no library decodes files."""
     if not decodes():
         raise InputError(f"{path} is not a PCM WAV file, and nothing here decodes it; {INSTALL}", "not_possible")

@@ -1,4 +1,4 @@
-"""Where sound is heard: a sound card by `aplay`, whose exit code is honest, or a folder that takes as long."""
+"""The sinks of sound: a sound card by `aplay`, whose exit code is reliable, or a folder that takes as long."""
 
 import contextlib
 import os
@@ -16,7 +16,7 @@ from lbr.errors import DeviceError
 ALSA = "alsa:"
 FILES_KEPT = 50
 GRACE_S = 5.0
-"""The time beyond its sound that a player may take before it counts as stuck."""
+"""The time beyond its sound after which a player counts as stuck."""
 _WORDS_BYTES = 4000
 Clock = Callable[[], float]
 
@@ -34,13 +34,13 @@ class Playback(Protocol):
 
 
 class Sink(Protocol):
-    """Somewhere to play; `immediate` if a sound counts as heard as soon as it has begun."""
+    """A sink; `immediate` if a sound counts as played as soon as it has begun."""
 
     address: str
     immediate: bool
 
     def start(self, sound: Wav) -> Playback:
-        """Begin to play; DeviceError names the cure if it cannot."""
+        """Begin to play; raise DeviceError with the cure if that fails."""
 
 
 def sink_at(address: str, clock: Clock) -> Sink:
@@ -62,7 +62,7 @@ class AlsaSink:
         self._clock = clock
 
     def start(self, sound: Wav) -> Playback:
-        """Start aplay, which dies with us."""
+        """Start aplay, which dies with this process."""
         player = shutil.which("aplay")
         if player is None:
             raise DeviceError("there is no program to play sound with; `sudo apt install alsa-utils` brings aplay")
@@ -125,7 +125,7 @@ class FolderSink:
         self._clock = clock
 
     def start(self, sound: Wav) -> Playback:
-        """Put the sound into the folder under the next number."""
+        """Copy the sound into the folder under the next number."""
         try:
             self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
             numbers = sorted(int(path.stem) for path in self._folder.glob("*.wav") if path.stem.isdecimal())

@@ -1,4 +1,4 @@
-"""WAV files: how long they are, how loud, and making small ones. Only PCM, which is what every sink can play."""
+"""WAV files: their length, their loudness, and writing small ones. Only PCM, which every sink can play."""
 
 import stat
 import wave
@@ -17,14 +17,14 @@ _BLOCK_FRAMES = 1 << 16
 
 
 class Wav(Struct, frozen=True):
-    """The header of a WAV file, held against the size of the file."""
+    """The header of a WAV file, checked against the size of the file."""
 
     path: Path
     duration_s: float
 
 
 def read(path: Path) -> Wav:
-    """Return what a file holds; raise InputError naming it unless it is a PCM WAV with sound in it."""
+    """Read a header; raise InputError with the file unless it is PCM WAV with sound in it."""
     with _opened(path) as sound:
         rate, frames = sound.getframerate(), sound.getnframes()
         held = path.stat().st_size // max(1, sound.getnchannels() * sound.getsampwidth())
@@ -44,13 +44,13 @@ def peak(path: Path) -> float:
 
 
 def samples(path: Path) -> bytes:
-    """Return all samples of a file as they are in it."""
+    """Return all samples of a file, unchanged."""
     with _opened(path) as sound:
         return sound.readframes(sound.getnframes())
 
 
 def write(path: Path, samples: bytes, rate_hz: int, width: int = 1) -> None:
-    """Write samples of one channel so that the file is there whole or not at all; bytes are unsigned, around 128."""
+    """Write mono samples, as a whole file or not at all; bytes are unsigned, around 128."""
     part = path.with_name(f".{path.name}.part")
     with wave.open(str(part), "wb") as sound:
         sound.setnchannels(1)
@@ -69,7 +69,7 @@ def _opened(path: Path) -> Iterator[wave.Wave_read]:
             yield sound
     except OSError as err:
         raise InputError(f"{path} cannot be read ({err.strerror or err})") from err
-    except (wave.Error, EOFError, ValueError, ArithmeticError, RuntimeError) as err:  # as `wave` raises them
+    except (wave.Error, EOFError, ValueError, ArithmeticError, RuntimeError) as err:  # the errors of `wave`
         if isinstance(err, InputError):
             raise
         why = str(err) or "it ends too soon"
@@ -82,7 +82,7 @@ def _peak(block: bytes, width: int) -> float:
     if width == 1:
         return max(max(block) - 128, 128 - min(block)) / 128
     block = block[: len(block) // width * width]
-    top = bytearray(len(block) // width * 2)  # the two most significant bytes of each sample, little endian
+    top = bytearray(len(block) // width * 2)  # the two highest bytes of each sample, little endian
     top[0::2], top[1::2] = block[width - 2 :: width], block[width - 1 :: width]
     samples = array("h", bytes(top))
     loudest, lowest = max(samples), min(samples)

@@ -1,5 +1,4 @@
-"""Speech as a capability: takes texts, has them written to sound, plays them one after the other, and says what
-failed."""
+"""Speech as a capability: queues texts, has them synthesised, plays them one after the other, and reports failures."""
 
 import shutil
 import time
@@ -51,7 +50,7 @@ class Speech(Capability[SpeechSettings]):
         self._decoder = Decoder(self._jobs, self._scratch, ctx.clock)
 
     def open(self) -> None:
-        """Find the place for sound and start the engine; both are tried while it steps."""
+        """Open the sink and start the engine; both are tried during the steps."""
         device = self.ctx.device
         if device is None:
             raise DeviceError(f"'{self.ctx.name}' has no device row '{self.ctx.settings.device}'; add it")
@@ -66,7 +65,7 @@ class Speech(Capability[SpeechSettings]):
         self._writer.poll()
 
     def step(self) -> None:
-        """Go on with writing and playing."""
+        """Continue to synthesise and play."""
         speaker = self._opened()
         for job, why in (*self._writer.poll(), *self._decoder.poll(), *self._decoder.go_on()):
             self._written(job, why)
@@ -102,7 +101,7 @@ class Speech(Capability[SpeechSettings]):
         self.ctx.publish("state", self._state(reason))
 
     def close(self) -> None:
-        """Say good bye as far as the time allows, then close engine and speaker."""
+        """Play the farewell within `FAREWELL_S`, then close engine and speaker."""
         speaker, self._speaker = self._speaker, None
         if speaker is not None:
             self._play_farewell(speaker)
@@ -136,7 +135,7 @@ class Speech(Capability[SpeechSettings]):
         return f"says {job.title}{after}" + (f"; {cut}" if cut else "")
 
     def _recorded(self, text: str) -> Job:
-        """Return the job of a recording; while that is still being written, the text itself is spoken in its turn."""
+        """Return the job of a recording; while that is still being synthesised, its text is spoken in its place."""
         name = text[1:].strip()
         if (kept := self._jobs.keeping(name.lower())) is not None:
             return Job(text=kept.text, language=kept.language)
@@ -144,7 +143,7 @@ class Speech(Capability[SpeechSettings]):
         return Job(text=text, source=found) if isinstance(found, Path) else Job(text, sound=found)
 
     def _play(self, command: SongCommand) -> PlayReply:
-        """Play a song at once: the dance that moves to it has to know when it began."""
+        """Play a song at once, and return when it began, for the dance that moves to it."""
         sound, speaker = files.song(self._home, command.song), self._opened()
         if why := speaker.trouble or ("" if speaker.proven else "the speaker is still being tried; ask again"):
             raise DeviceError(why)
@@ -162,7 +161,7 @@ class Speech(Capability[SpeechSettings]):
         return ""
 
     def _silence(self) -> str:
-        """End the current job and those that wait; return their titles."""
+        """End the current job and all that wait; return their titles."""
         ended = self._jobs.clear()
         if self._current is not None:
             ended.insert(0, self._current)
@@ -214,7 +213,7 @@ class Speech(Capability[SpeechSettings]):
             self._spoken += 1
 
     def _drop_what_cannot_be(self) -> None:
-        """Nothing waits for an engine or a speaker that is known to be away."""
+        """Drop jobs that wait for a missing engine or speaker."""
         speaker = self._opened()
         if speaker.trouble:
             self._forget(dropped := self._jobs.clear())
@@ -231,13 +230,13 @@ class Speech(Capability[SpeechSettings]):
         )
 
     def _forget(self, jobs: list[Job]) -> None:
-        """Remove the files that were written to be played once."""
+        """Remove the files of sounds to be played once."""
         for job in jobs:
             if job.sound is not None and job.sound.path.parent == self._scratch:
                 job.sound.path.unlink(missing_ok=True)
 
     def _greet(self) -> None:
-        """Once engine and speaker work: say hello, and have the farewell written while there is time."""
+        """Once engine and speaker work: speak the greeting, and synthesise the farewell in advance."""
         if self._greeted or not self._writer.ready or not self._opened().proven:
             return
         self._greeted = True
@@ -246,7 +245,7 @@ class Speech(Capability[SpeechSettings]):
             self._queue_phrase("goodbye", self._scratch / "goodbye.wav")
 
     def _queue_phrase(self, name: str, keep: Path | None) -> None:
-        with suppress(InputError):  # without such a phrase nothing is said
+        with suppress(InputError):  # the robot may have no such phrase
             found = phrase(self.ctx.rows(Phrase), name, self.ctx.settings.language)
             self._jobs.add(Job(text=found.text, language=found.language, keep=keep, own=True))
 

@@ -1,4 +1,4 @@
-"""Recordings of other formats, decoded one after the other, each by a process of its own that may not take long."""
+"""Recordings of other formats, decoded one after the other, each by a process with a time limit."""
 
 import subprocess
 import sys
@@ -14,12 +14,12 @@ from lbr.errors import InputError
 
 PROGRAM = (sys.executable, "-P", "-m", "lbr.apps.sound.decode")
 LIMIT_S = 30.0
-"""Half an hour of MP3 takes some 5 s on one core of a desktop; a Raspberry Pi takes several times that."""
+"""Half an hour of MP3 takes about 5 s on one core of a desktop, and several times that on a Raspberry Pi."""
 _WORDS_BYTES = 2000
 
 
 class Decoder:
-    """Makes sounds of the queue's recordings that are no PCM WAV; nothing here waits."""
+    """Decodes the queue's recordings that are not PCM WAV; nothing here blocks."""
 
     def __init__(self, jobs: Jobs, scratch: Path, clock: Callable[[], float], program: Sequence[str] = PROGRAM) -> None:
         self._jobs = jobs
@@ -33,7 +33,7 @@ class Decoder:
         self._count = 0
 
     def poll(self) -> list[tuple[Job, str]]:
-        """Return what was decoded now, or not, and then why; what was hushed meanwhile is forgotten."""
+        """Return the job that ended and its error, or an empty string; a job hushed meanwhile is dropped."""
         if self._popen is None or self._job is None:
             return []
         job, code = self._job, self._popen.poll()
@@ -60,7 +60,7 @@ class Decoder:
         return [(job, why)]
 
     def go_on(self) -> list[tuple[Job, str]]:
-        """Begin with the next recording, if there is one; return what cannot even be begun, and why."""
+        """Start the next recording, if there is one; return a job that cannot be started, and why."""
         job = self._jobs.to_decode() if self._popen is None else None
         if job is None:
             return []
@@ -72,7 +72,7 @@ class Decoder:
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=self._words,
-                start_new_session=True,  # a scheduling group of its own, as the engine has
+                start_new_session=True,  # a scheduling group of its own, like the engine's
             )
         except OSError as err:
             self._end()
@@ -82,7 +82,7 @@ class Decoder:
         return []
 
     def close(self) -> None:
-        """End what is being decoded."""
+        """End the current process."""
         self._end()
 
     def _end(self) -> None:

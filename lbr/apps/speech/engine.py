@@ -1,8 +1,8 @@
 """The speech engine's own process: `python -m lbr.apps.speech.engine`, texts as JSON lines in, WAV files out.
 
-It first says whether there is an engine at all. Then each request is answered by one line. The output of pyttsx3 goes
-nowhere, and it only ever writes files: its own playback reports success without a sound card. A voice of the cloud or
-of piper that cannot be had is no failure: espeak-ng says the text, and the answer's note says why.
+Its first line reports whether there is an engine. Then each request is answered by one line. The output of pyttsx3 is
+discarded, and it only writes files: its own playback reports success without a sound card. If a voice of the cloud or
+of piper fails, espeak-ng speaks the text, and the answer's note is the reason.
 """
 
 import os
@@ -37,15 +37,15 @@ class Engine:
         self._engine.connect("error", self._note)
 
     def write(self, request: Request) -> None:
-        """Write the sound; LbrError if the engine makes no sound."""
+        """Write the sound; raise LbrError without any."""
         if not self._sounds(request) and not self._sounds(request):
             raise LbrError("the speech engine has no sound for this text")
         wav.read(Path(request.path))
 
     def _sounds(self, request: Request) -> bool:
-        """Write the sound of a text, and tell whether there is any sound in it.
+        """Write the sound of a text; return whether there is any sound in it.
 
-        Rarely, after a voice that it does not have, the library writes silence in place of a text.
+        Rarely, after a voice that it does not have, the library writes silence.
         """
         path = Path(request.path)
         named = (request.name,) if request.engine == ESPEAK else ()
@@ -72,7 +72,7 @@ class Engine:
 
 
 class Voices:
-    """All engines behind one call: that of the voice, or else espeak-ng, which is on the robot and always there."""
+    """All engines behind one call: the voice's own, or else espeak-ng, which is always on the robot."""
 
     def __init__(self, local: Engine) -> None:
         self._local = local
@@ -94,7 +94,7 @@ class Voices:
 
 
 def serve(requests: BinaryIO, answer: Callable[[Answer], None]) -> None:
-    """Say whether there is an engine, then answer requests until they end."""
+    """Report whether there is an engine, then answer requests until they end."""
     faults: list[Exception] = []
     with border(faults.append):
         voices = Voices(Engine())
@@ -102,7 +102,7 @@ def serve(requests: BinaryIO, answer: Callable[[Answer], None]) -> None:
         return answer(Answer(reason=_lacking(faults[0])))
     answer(Answer())
     for line in requests:
-        with border(lambda err: answer(Answer(reason=_failed(err)))):  # the next text may do better
+        with border(lambda err: answer(Answer(reason=_failed(err)))):  # the next text may succeed
             answer(Answer(note=voices.write(msgspec.json.decode(line, type=Request))))
     return None
 

@@ -1,4 +1,4 @@
-"""The files below `$LBR_HOME`: recordings in `sounds`, of any format; songs in `music`, WAV files; both by name."""
+"""The sound files below `$LBR_HOME`, by name: recordings in `sounds`, of any format, and songs in `music`, as WAV."""
 
 from contextlib import suppress
 from pathlib import Path
@@ -10,11 +10,11 @@ from lbr.errors import InputError
 MOST_RECORDINGS = 200
 _SUFFIXES = (formats.WAV, *formats.OTHERS)
 _PCM = b"\x01\x00"
-"""As the head of a WAV file names it."""
+"""The format code of PCM in the head of a WAV file."""
 
 
 def recording(home: Path, name: str) -> Wav | Path:
-    """Return a recording, or the file that has to be decoded first; raise InputError naming which it may have been."""
+    """Return a recording, or the file to decode first; raise InputError with similar names."""
     folder, name = home / "sounds", names.checked(name.lower(), "recording")
     path = next((path for suffix in _SUFFIXES if (path := folder / f"{name}{suffix}").is_file()), None)
     if path is None:
@@ -26,7 +26,7 @@ def recording(home: Path, name: str) -> Wav | Path:
 
 
 def song(home: Path, name: str) -> Wav:
-    """Return a song; raise InputError naming which it may have been."""
+    """Return a song; raise InputError with similar names."""
     folder = home / "music"
     path = folder / f"{names.checked(name, 'song')}{formats.WAV}"
     if not path.is_file():
@@ -35,7 +35,7 @@ def song(home: Path, name: str) -> Wav:
 
 
 def place_for(home: Path, name: str) -> Path:
-    """Return where a recording is to be kept; one of the same name is replaced."""
+    """Return the path for a new recording, which may replace an old one."""
     folder = home / "sounds"
     path = folder / f"{names.checked(name.lower(), 'recording')}.wav"
     known = names.stems(folder, ".wav")
@@ -45,7 +45,7 @@ def place_for(home: Path, name: str) -> Path:
 
 
 def _compressed(path: Path) -> bool:
-    """Return whether a file is WAV, but of another coding than PCM."""
+    """Return whether a WAV file has another coding than PCM."""
     with suppress(OSError), path.open("rb") as file:
         head = file.read(22)
         return head[:4] == b"RIFF" and head[12:16] == b"fmt " and head[20:22] != _PCM

@@ -1,4 +1,4 @@
-"""The queue of speech: in order, bounded, each first written to a file and then played. No I/O."""
+"""The queue of speech: in order, bounded, each text first synthesised and then played. No I/O."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -8,15 +8,16 @@ from lbr.apps.sound.wav import Wav
 from lbr.errors import InputError
 
 WRITTEN_AHEAD = 2
-"""The number of texts that are sound already while another is being played."""
+"""The number of texts to synthesise ahead of the one being played."""
 
 
 @dataclass(eq=False, slots=True)
 class Job:
-    """A text to be said, or saved, or a recording or song to be played; `sound` is there once there is a file.
+    """A text to speak or save, or a recording or song to play; `sound` is set once there is a file.
 
-    `source` is a recording that has to be decoded first. `keep` is where a text is saved to instead of being said;
-    `own` is what speech says of itself, which no sender waits for.
+    - `source`: a recording to decode first.
+    - `keep`: the file to save a text to, instead of speaking it.
+    - `own`: a greeting or farewell, which has no sender.
     """
 
     text: str = ""
@@ -29,7 +30,7 @@ class Job:
 
     @property
     def title(self) -> str:
-        """Return what to call it."""
+        """Return its name in messages."""
         return self.song or (f"'{self.text[:40]}{'…' if len(self.text) > 40 else ''}'")
 
 
@@ -45,13 +46,13 @@ class Jobs:
         return sum(not job.own and job.keep is None for job in self._waiting)
 
     def add(self, job: Job) -> None:
-        """Put a job at the end; raise InputError if there are too many."""
+        """Add a job; raise InputError if there are too many."""
         if not job.own and sum(not other.own for other in self._waiting) >= self._most:
             raise InputError(f"{self._most} texts wait already; try again later, or interrupt")
         self._waiting.append(job)
 
     def to_write(self) -> Job | None:
-        """Return the next job that needs a file: those to be saved first, then those to be spoken soon."""
+        """Return the next job to synthesise: those to save first, then those to speak soon."""
         unwritten = [job for job in self._waiting if job.sound is None and job.source is None]
         kept = next((job for job in unwritten if job.keep is not None), None)
         if kept is not None or not unwritten:
@@ -60,15 +61,15 @@ class Jobs:
         return unwritten[0] if written < WRITTEN_AHEAD else None
 
     def keeping(self, name: str) -> Job | None:
-        """Return the job that is to be kept by that name; the newest of several."""
+        """Return the newest job that will be saved under that name, or None."""
         return next((job for job in reversed(self._waiting) if job.keep is not None and job.keep.stem == name), None)
 
     def to_decode(self) -> Job | None:
-        """Return the next recording that has to be decoded."""
+        """Return the next recording to decode."""
         return next((job for job in self._waiting if job.source is not None and job.sound is None), None)
 
     def to_play(self) -> Job | None:
-        """Take out and return the next job to be played, once it is a sound; nothing passes one before it."""
+        """Remove and return the first job to play, once it has a sound; the order stays."""
         first = next((job for job in self._waiting if job.keep is None), None)
         if first is None or first.sound is None:
             return None
@@ -76,12 +77,12 @@ class Jobs:
         return first
 
     def drop(self, job: Job) -> None:
-        """Take a job out, if it is still there."""
+        """Remove a job, if it still waits."""
         if job in self._waiting:
             self._waiting.remove(job)
 
     def clear(self) -> list[Job]:
-        """Remove and return all jobs that wait to be spoken; those to be saved stay."""
+        """Remove and return all jobs to speak; those to save stay."""
         dropped = [job for job in self._waiting if job.keep is None]
         self._waiting = deque(job for job in self._waiting if job.keep is not None)
         return dropped

@@ -23,8 +23,8 @@ LanguageTag = Annotated[str, Meta(pattern="^[a-z][a-z]+(-[a-z0-9]+)*$(?!\\n)", m
 class SpeechSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `speech`.
 
-    `language`: of texts, and of the phrases tried first; `greets`: says `hello` and `goodbye`. `voices`: by language;
-    others get espeak-ng's own. `cloud_endpoint`: of the cloud's voices, if not the region's.
+    `language`: of texts, and the first to look for phrases in; `greets`: speaks `hello` and `goodbye`. `voices`: by
+    language; others get espeak-ng's own. `cloud_endpoint`: of the cloud's voices, if not the region's.
     """
 
     device: Name

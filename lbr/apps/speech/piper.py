@@ -1,4 +1,4 @@
-"""The voices of piper, if it is installed: neural, on the robot itself. Runs in the engine's process."""
+"""The voices of piper, if it is installed: neural, and local. Runs in the engine's process."""
 
 import wave
 from pathlib import Path
@@ -19,7 +19,7 @@ class Piper:
         self._voices: dict[str, Any] = {}
 
     def write(self, request: Request) -> None:
-        """Write the sound of a voice; LbrError without such a voice, or without piper."""
+        """Write the sound of a voice; raise LbrError without such a voice, or without piper."""
         try:
             from piper import PiperVoice, SynthesisConfig
         except ImportError as err:

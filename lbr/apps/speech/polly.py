@@ -1,4 +1,4 @@
-"""The cloud's voices, Amazon Polly: asked for within a time, and each text once only. Runs in the engine's process."""
+"""The cloud's voices, Amazon Polly: with a time limit, and once for each text. Runs in the engine's process."""
 
 import hashlib
 import os
@@ -18,10 +18,10 @@ from lbr.errors import LbrError, told
 
 INSTALL = "`pip install 'lbr[polly]'` brings what asks for them"
 KEY, SECRET = "ROBOT_AWS_AK", "ROBOT_AWS_SK"
-"""Variables that hold the key, as the first lbr knew them; without them botocore looks where it always does."""
+"""The environment variables of the key, named as in the first lbr; without them botocore uses its own sources."""
 RATE_HZ = 16_000
 MOST_CHARACTERS = 2500
-"""The service takes 3,000 characters at once; marks are among them."""
+"""The service accepts 3,000 characters at once, marks included."""
 MOST_BYTES = RATE_HZ * 2 * 600
 USUAL_WORDS_PER_MIN = 150
 SLOWEST_PERCENT, FASTEST_PERCENT = 20, 200
@@ -30,8 +30,7 @@ RETRY_S = 30.0
 
 
 class Polly:
-    """Asks the cloud for sound. Once it failed, it is not asked again for a while, so that no text waits for it in
-    vain."""
+    """Requests sound from the cloud. After a failure it makes no request for a while, so that no text waits in vain."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
@@ -70,14 +69,14 @@ class Polly:
             raise LbrError(why)
 
     def _ask(self, request: Request, file: Path, ended: "queue.SimpleQueue[str]") -> None:
-        """Store the cloud's sound, in a thread of its own: a late answer is there for the next time."""
+        """Store the cloud's sound, in a thread of its own: a late answer serves the next time."""
 
         def failed(err: Exception) -> None:
             lost = f"the cloud's voice '{request.name}' cannot be had ({told(err)})"
             lacking = f"the cloud's voices cannot be had; {INSTALL}"
             ended.put(str(err) if isinstance(err, LbrError) else lacking if isinstance(err, ImportError) else lost)
 
-        with border(failed):  # another voice speaks
+        with border(failed):  # then another voice speaks
             sound = self._synthesised(request)
             file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
             wav.write(file, sound, RATE_HZ, width=2)

@@ -13,7 +13,7 @@ class Cloud(Struct, frozen=True, kw_only=True):
 
 
 class Request(Struct, frozen=True, kw_only=True):
-    """A text to be written to a file as sound; `volume` from 0 to 1, `voice` an engine and its voice, or nothing."""
+    """A text to synthesise to a file; `volume` from 0 to 1, `voice` an engine and its voice, or empty."""
 
     text: str
     language: str
@@ -27,19 +27,19 @@ class Request(Struct, frozen=True, kw_only=True):
 
     @property
     def engine(self) -> str:
-        """Return which engine is to speak, or nothing."""
+        """Return the engine, or an empty string."""
         return self.voice.partition("/")[0]
 
     @property
     def name(self) -> str:
-        """Return the voice by the name that its engine knows."""
+        """Return the engine's name of the voice."""
         return self.voice.partition("/")[2]
 
 
 class Answer(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """The result of a request, or at first, of the engine itself; an empty reason is success.
+    """The result of a request, or at first of the engine itself; an empty reason is success.
 
-    `note` says why another voice than the row's has spoken.
+    `note` is why another voice than the row's has spoken.
     """
 
     reason: str = ""

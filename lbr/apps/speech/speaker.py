@@ -1,4 +1,4 @@
-"""The speaker as a device: tried with a moment of silence before it counts as one, and again after it failed."""
+"""The speaker as a device: tried with a moment of silence before its first use, and again after each failure."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -15,8 +15,7 @@ _SILENCE_HZ = 8000
 
 
 class Speaker:
-    """Plays one sound at a time. `trouble` says why nothing can be heard now, or nothing; `proven` that it was
-    heard."""
+    """Plays one sound at a time. `trouble` is why nothing can be played, or empty; `proven`: the trial was played."""
 
     def __init__(self, sink: Sink, scratch: Path, clock: Callable[[], float]) -> None:
         self.trouble = ""
@@ -36,11 +35,11 @@ class Speaker:
 
     @property
     def immediate(self) -> bool:
-        """Return whether a sound has been taken whole as soon as it began."""
+        """Return whether a sound counts as played once it has begun."""
         return self._sink.immediate
 
     def start(self, sound: Wav) -> float:
-        """Begin to play and return when that was; raise DeviceError if it cannot be."""
+        """Begin to play, and return when; raise DeviceError if that fails."""
         self.stop()
         try:
             self._playing = self._sink.start(sound)
@@ -63,14 +62,14 @@ class Speaker:
         return result
 
     def stop(self) -> None:
-        """End what is being played."""
+        """End the current sound."""
         for playback in (self._playing, self._trial):
             if playback is not None:
                 playback.stop()
         self._playing = self._trial = None
 
     def _try(self) -> None:
-        """Find out whether the speaker plays, by a moment of silence."""
+        """Try whether the speaker plays, with a moment of silence."""
         if self._trial is not None:
             result = self._trial.poll()
             if result is not None:
@@ -82,7 +81,7 @@ class Speaker:
                 if not self._silence.exists():
                     wav.write(self._silence, _SILENCE, _SILENCE_HZ)
                 self._trial = self._sink.start(wav.read(self._silence))
-            except OSError as err:  # a DeviceError is one, too
+            except OSError as err:  # includes DeviceError
                 self._fail(str(err))
 
     def _prove(self) -> None:

@@ -1,4 +1,4 @@
-"""The speakable part of texts, without characters that no voice speaks, and phrases by name and language. Pure."""
+"""Texts without characters that no voice speaks, and phrases by name and language. Pure."""
 
 import unicodedata
 from collections.abc import Iterable, Mapping
@@ -16,7 +16,7 @@ _SPOKEN_SIGNS = frozenset("%&@#*")
 
 
 def sayable(text: str) -> str:
-    """Return a text without control characters and pictures; raise InputError if nothing is left to say."""
+    """Return a text without control characters and pictures; raise InputError if nothing is left to speak."""
     if len(text) > MOST_CHARACTERS:
         raise InputError(f"the text has {len(text)} characters; {MOST_CHARACTERS} can be said at once")
     spoken = " ".join("".join(map(_spoken, text)).split())
@@ -26,7 +26,7 @@ def sayable(text: str) -> str:
 
 
 def phrase(phrases: Iterable[Phrase], name: str, language: str) -> Phrase:
-    """Return a phrase in a language, or else in English; raise InputError naming what it may have been."""
+    """Return a phrase in a language, or else in English; raise InputError with similar names."""
     known = {(row.name, row.language): row for row in phrases}
     base = language.partition("-")[0]
     for tag in (language, base, LAST_RESORT):
@@ -51,7 +51,7 @@ def to_say(command: SayCommand, phrases: Iterable[Phrase], language: str) -> tup
 
 
 def voice_of(language: str, voices: Mapping[str, str]) -> str:
-    """Return the voice that rows name for a language or what it is a kind of, or nothing."""
+    """Return the row's voice for a language or its base language, or an empty string."""
     return voices.get(language) or voices.get(language.partition("-")[0], "")
 
 

@@ -1,4 +1,4 @@
-"""The engine's process as speech sees it: started, given one text at a time, ended when it takes too long."""
+"""Speech's side of the engine's process: starts it, sends one text at a time, and ends it when it is too slow."""
 
 import os
 import subprocess
@@ -20,9 +20,9 @@ ANSWER_BYTES = 65536
 
 
 class Worker:
-    """A speech engine that is there again after it died; nothing here waits.
+    """A speech engine that restarts after a crash; nothing here blocks.
 
-    `trouble` says why there is no engine now, or nothing. One text at a time is under way; `poll` says how it ended.
+    `trouble` is why there is no engine now, or empty. One text at a time is under way; `poll` returns its result.
     """
 
     def __init__(self, clock: Callable[[], float], program: Sequence[str] = ENGINE) -> None:
@@ -39,25 +39,25 @@ class Worker:
 
     @property
     def started(self) -> bool:
-        """Return whether the engine works, on a text or not."""
+        """Return whether the engine runs, busy or not."""
         return self._greeted
 
     @property
     def idle(self) -> bool:
-        """Return whether it takes a text now."""
+        """Return whether it is ready for a text."""
         return self._greeted and not self._asked
 
     def write(self, request: Request, limit_s: float) -> None:
-        """Give it a text; only when it is idle."""
+        """Send a text; only when idle."""
         assert self.idle
         assert self._popen is not None
         assert self._popen.stdin is not None
         self._asked, self._until = True, self._clock() + limit_s
-        with suppress(OSError):  # it is dead then, which `poll` sees
+        with suppress(OSError):  # the process is dead, which `poll` notices
             os.write(self._popen.stdin.fileno(), msgspec.json.encode(request) + b"\n")
 
     def poll(self) -> Answer | None:
-        """Return how the text under way ended, if it has; keeps the process going."""
+        """Return the result of the text, once there is one; start the process again if need be."""
         if self._popen is None:
             self._start_when_due()
             return None
@@ -92,7 +92,7 @@ class Worker:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 bufsize=0,
-                start_new_session=True,  # a scheduling group of its own: it must not take the time that we beat in
+                start_new_session=True,  # a scheduling group of its own, so that it does not delay our heartbeat
             )
         except OSError as err:
             self._lost(f"the speech engine cannot be started: {err.strerror}")
@@ -131,7 +131,10 @@ class Worker:
         return None
 
     def _lost(self, why: str) -> Answer | None:
-        """End the process. A text that it died of is no trouble for the next one; an engine that does not start is."""
+        """End the process.
+
+        A crash on a text does not affect the next text; an engine that does not start is trouble.
+        """
         asked = self._asked
         self.close()
         if asked:

@@ -1,4 +1,4 @@
-"""Turns the texts of the queue to sound, one after the other, by the engine's process."""
+"""Synthesises the texts of the queue, one after the other, by the engine's process."""
 
 from pathlib import Path
 
@@ -14,9 +14,9 @@ SECONDS_PER_CHARACTER = 0.02
 
 
 class Writer:
-    """Gives the engine what is to be written, and holds what it says against the file that is there.
+    """Sends texts to the engine, and checks the files that it writes.
 
-    `note` says why another voice than the row's spoke last, or nothing.
+    `note` is why another voice than the row's spoke last, or empty.
     """
 
     def __init__(self, worker: Worker, jobs: Jobs, scratch: Path, home: Path, settings: SpeechSettings) -> None:
@@ -37,7 +37,7 @@ class Writer:
 
     @property
     def trouble(self) -> str:
-        """Return why there is no engine now, or nothing."""
+        """Return why there is no engine now, or an empty string."""
         return self._worker.trouble
 
     @property
@@ -47,11 +47,11 @@ class Writer:
 
     @property
     def ready(self) -> bool:
-        """Return whether there is an engine that waits for a text."""
+        """Return whether an idle engine is there."""
         return self._worker.idle
 
     def poll(self) -> list[tuple[Job, str]]:
-        """Return what was written now, or not, and then why; a text that was hushed meanwhile is forgotten."""
+        """Return the job that ended and its error, or an empty string; a text hushed meanwhile is dropped."""
         answer = self._worker.poll()
         if answer is None:
             return []
@@ -71,7 +71,7 @@ class Writer:
         return [(job, why)]
 
     def go_on(self) -> None:
-        """Give the engine the next text, if there is one."""
+        """Send the next text to the engine, if there is one."""
         job = self._jobs.to_write() if self._worker.idle else None
         if job is None:
             return
@@ -100,7 +100,7 @@ class Writer:
         return self._scratch / f"{self._count}.wav"
 
     def _take(self, job: Job, path: Path) -> str:
-        """Let a text be sound, or a recording; return why not, or nothing."""
+        """Give a job its sound, or save the recording; return the error, or an empty string."""
         try:
             sound = wav.read(path)
             if job.keep is None:

@@ -1,7 +1,7 @@
-"""Teleop: a person drives with a gamepad at the robot's own computer, for as long as the dead-man button is held.
+"""Teleop: a person drives with a gamepad at the robot's own computer, while the dead-man button is held.
 
-`hand` says what a gamepad means, and knows neither bus nor clock; `lines` says what buttons say; `capability` borrows
-the motion, by a lease of the drive like anyone.
+`hand` interprets the gamepad, and knows neither bus nor clock; `lines` sends the lines of buttons. `capability` leases
+the drive, as any other client does.
 """
 
 from lbr.component import Component

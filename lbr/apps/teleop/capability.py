@@ -1,5 +1,4 @@
-"""Teleop as a capability: hears the gamepad, borrows the drive while the hand on it wants that, and stops what
-moves."""
+"""Teleop as a capability: reads the gamepad, leases the drive while its hand drives, and sends stops."""
 
 from math import inf
 
@@ -24,7 +23,7 @@ BY_HAND = "stopped at the gamepad"
 
 
 class Teleop(Capability[TeleopSettings]):
-    """A wish of a gamepad needs its dead-man button, unless it is a stop."""
+    """Every action of a gamepad needs its dead-man button, except a stop."""
 
     rate_hz = RESTING_HZ
 
@@ -41,20 +40,20 @@ class Teleop(Capability[TeleopSettings]):
         self._published_at = -inf
 
     def open(self) -> None:
-        """Look whether there is one gamepad: of two, one hand could hold the dead-man button and the other drive."""
+        """Refuse a second gamepad: one hand could hold the dead-man button, and the other drive."""
         if len(pads := self.ctx.sources("pad")) > 1:
             text = f"{' and '.join(pads)} are wired to it, and one gamepad drives: let a channel row say which"
             raise DeviceError(text, "wiring")
 
     def step(self) -> None:
-        """Hear the gamepad, and have the robot do what the hand on it wants now."""
+        """Read the gamepad, and move the robot accordingly."""
         now = self.ctx.clock()
         held_up_s, self._stepped_at = now - self._stepped_at, now
         for received in self.ctx.take("pad"):
             assert isinstance(received.message, GamepadState)
             for word in presses(self._hand.receive(received.message, received.arrived), self.ctx.settings):
                 self._send(word, now)
-        if not held_up_s <= self.ctx.settings.ttl_s:  # what it held has lapsed, and the hand may be gone
+        if not held_up_s <= self.ctx.settings.ttl_s:  # its lease has lapsed, and the hand may be gone
             self._hand.let_go()
         if not all(map(self.ctx.alive, self.ctx.sources("pad"))):
             self._hand.lose()
@@ -68,11 +67,11 @@ class Teleop(Capability[TeleopSettings]):
         self._publish_state(twist, now)
 
     def woke(self, slept_s: float) -> None:  # noqa: ARG002 - however long
-        """The computer slept: the person who held the gamepad may be gone."""
+        """Require a new press of the dead-man button: the person may have left during the sleep."""
         self._hand.let_go()
 
     def close(self) -> None:
-        """Have what moves stand."""
+        """Stop all motion."""
         self._holder.release("teleop is shutting down")
         self._lines.halt("teleop is shutting down")
 
@@ -102,8 +101,10 @@ class Teleop(Capability[TeleopSettings]):
                 self._holder.begin(DRIVE, command)
 
     def _lost(self, why: Reason) -> None:
-        """Give up: after a stop or where another drives the dead-man button must be pressed again, else the sticks
-        centred."""
+        """End the motion.
+
+        After a stop or a takeover the dead-man button must be pressed again, else the sticks centred.
+        """
         self._ended = why
         if why.code in FINAL:
             self._hand.let_go()
@@ -111,7 +112,7 @@ class Teleop(Capability[TeleopSettings]):
             self._hand.centre()
 
     def _read_stops(self) -> None:
-        """Tell of a stop that not everything has answered."""
+        """Report stops that were not answered by all."""
         for one in [one for one in self._stops if one.answers() is not None]:
             self._stops.remove(one)
             silent = sorted(name for name, answer in (one.answers() or {}).items() if answer is None)

@@ -1,7 +1,7 @@
-"""The meaning of a hand on a gamepad: which twist, which buttons were pressed, and why the robot is to stand. Pure.
+"""A hand on a gamepad: its twist, its pressed buttons, and why the robot must stand. Pure.
 
-The robot moves only while all of this is so: the dead-man button is held, and was seen released since the gamepad came;
-the sticks were seen at rest since then; the gamepad is connected. An unknown value, and anything but a number, is rest.
+The robot moves only while the gamepad is connected and its dead-man button is held. Since the gamepad came, the button
+must have been released once, and since then the sticks at rest. Unknown values, and all but numbers, count as rest.
 """
 
 from collections.abc import Iterable
@@ -13,15 +13,15 @@ from lbr.messages.codes import Reason
 from lbr.messages.gamepad import Axis, Button, GamepadState
 
 CURVE = 1.6
-"""Fine near the centre: the speed grows with this power of the way."""
+"""The exponent from a stick's way to its speed, for fine control near the centre."""
 AT_REST_S = 2.0
-"""A driver speaks twice a second while nothing is held on its gamepad, and twenty times while anything is."""
+"""The age of a report that counts at rest. A driver reports at 2 Hz, and at 20 Hz while anything is held."""
 NO_PAD = "no gamepad is heard of; see /report/health"
 AT_REST = Reason("idle", "the sticks are at rest")
 
 
 class Twist(NamedTuple):
-    """REP 103: ahead and to the left in metres a second, anticlockwise in radians a second."""
+    """A velocity (REP 103): ahead and to the left in metres a second, anticlockwise in radians a second."""
 
     vx_mps: float = 0.0
     vy_mps: float = 0.0
@@ -42,7 +42,7 @@ class Hand:
 
     @property
     def dead_man(self) -> bool:
-        """Return whether the dead-man button is held, as far as is known."""
+        """Return whether the dead-man button is held, by the last report."""
         return self._pad is not None and self._settings.dead_man in self._pad.pressed
 
     @property
@@ -51,9 +51,9 @@ class Hand:
         return self._pad is not None
 
     def receive(self, pad: GamepadState, sent_s: float) -> tuple[Button, ...]:
-        """Receive a state of the gamepad; return the buttons that were pressed since the last one.
+        """Receive a state of the gamepad; return the buttons pressed since the last one.
 
-        A button that is held already when a gamepad comes was not pressed.
+        A button that is already held when a gamepad comes was not pressed.
         """
         if not pad.connected:
             self.lose()
@@ -68,20 +68,20 @@ class Hand:
         return tuple(one for one in pad.pressed if one not in before.pressed)
 
     def lose(self) -> None:
-        """Have no gamepad: once there is one, the dead-man button must be pressed again before anything moves."""
+        """Forget the gamepad; with the next one the dead-man button must be pressed again."""
         self._pad = None
         self.let_go()
 
     def let_go(self) -> None:
-        """Ask for the dead-man button to be pressed again before anything moves."""
+        """Require a new press of the dead-man button."""
         self._released = self._rested = False
 
     def centre(self) -> None:
-        """Have the sticks at rest before anything moves."""
+        """Require the sticks at rest once."""
         self._rested = False
 
     def stands(self, now: float) -> Reason | None:
-        """Return why nothing may move, wherever the sticks are; None if it may."""
+        """Return why the robot must stand, whatever the sticks do; None if it may move."""
         pad = self._pad
         if pad is None:
             return Reason("unreachable", NO_PAD)
@@ -92,14 +92,14 @@ class Hand:
         return self._not_meant(pad) or self._out_of_range(pad, now)
 
     def twist(self) -> tuple[Twist, Reason]:
-        """Return how a robot that may move is to move, and if not at all, why."""
+        """Return the twist of the sticks and the reason; at rest if they were not centred yet."""
         if self._pad is None or not self._rested:
             return REST, Reason("rest_first", "let the sticks go to their centre first")
         found = wanted(self._pad.axes, self._settings)
         return found, AT_REST if found == REST else Reason("done", "it drives")
 
     def _not_meant(self, pad: GamepadState) -> Reason | None:
-        """Return why what is held means nothing."""
+        """Return why held buttons are ignored, or None."""
         settings = self._settings
         if not self.dead_man:
             return Reason("idle", f"the button {settings.dead_man} is not held")
@@ -111,7 +111,7 @@ class Hand:
         return None
 
     def _out_of_range(self, pad: GamepadState, now: float) -> Reason | None:
-        """Return why a gamepad that has a radio may not be where its hand is: one out of range is held for ever."""
+        """Return why a radio gamepad may be out of range, or None; one out of range reports a held button for ever."""
         settings = self._settings
         if pad.link != "bluetooth" and not settings.wireless:
             return None
@@ -122,7 +122,7 @@ class Hand:
 
 
 def wanted(axes: dict[Axis, float], settings: TeleopSettings) -> Twist:
-    """Return the twist of the sticks; rest if one of them is not a number."""
+    """Return the twist of the sticks; rest if an axis is not a number."""
     ahead, aside = axes.get("left_y", 0.0), axes.get("left_x", 0.0)
     turn = axes.get("right_x", 0.0)
     if not all(map(isfinite, (ahead, aside, turn))):
@@ -139,14 +139,14 @@ def wanted(axes: dict[Axis, float], settings: TeleopSettings) -> Twist:
 
 
 def _together(ahead: float, aside: float, dead_zone: float) -> tuple[float, float]:
-    """Return the shares of one stick that moves any way: its direction stays, its way is what counts."""
+    """Return the two shares of a stick that moves any way: its direction stays, its length is scaled."""
     way = hypot(ahead, aside)
     share = _share(way, dead_zone)
     return (ahead / way * share, aside / way * share) if share else (0.0, 0.0)
 
 
 def _share(way: float, dead_zone: float) -> float:
-    """Return how much of what is possible a way of a stick means."""
+    """Return the share of full speed for a stick's way."""
     beyond = min(1.0, abs(way)) - dead_zone
     if not beyond > 0.0:
         return 0.0
@@ -159,7 +159,7 @@ def _neat(value: float) -> float:
 
 
 def presses(pressed: Iterable[Button], settings: TeleopSettings) -> list[str]:
-    """Return what pressed buttons ask for, stops first: `stop`, `estop`, or a line."""
+    """Return the actions of pressed buttons, stops first: `stop`, `estop`, or a line."""
     found = list(pressed)
     asked = [word for word, button in (("estop", settings.estop), ("stop", settings.stop)) if button in found]
     return asked + [settings.lines[one] for one in found if one in settings.lines]

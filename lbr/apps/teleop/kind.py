@@ -40,7 +40,7 @@ class TeleopSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     ttl_s: Annotated[float, Meta(ge=0.2, le=1.0, description="motion outlives this process for so long")] = 0.3
 
     def __post_init__(self) -> None:
-        """Refuse a button that is to be two things."""
+        """Refuse a button with two meanings."""
         used = [one for one in (self.dead_man, self.stop, self.estop, *self.lines) if one]
         if twice := sorted({one for one in used if used.count(one) > 1}):
             raise ValueError(f"the button {twice[0]} is to be two things: give each its own")

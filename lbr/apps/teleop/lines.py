@@ -1,5 +1,4 @@
-"""The lines of buttons: one at each press, and the motion that it begins, which lasts while the dead-man button is
-held."""
+"""The lines of buttons: one at each press. The motion that a line begins lasts while the dead-man button is held."""
 
 from typing import Any, NamedTuple
 
@@ -21,7 +20,7 @@ class _SentLine(NamedTuple):
 
 
 class Lines:
-    """Sends lines to the console, and renews the motion that the last of them began."""
+    """Sends lines to the console, and renews the motion of the last one."""
 
     def __init__(self, ctx: Context[Any]) -> None:
         self._ctx = ctx
@@ -31,19 +30,18 @@ class Lines:
 
     @property
     def moving(self) -> str:
-        """Return the line whose motion goes on."""
+        """Return the line whose motion goes on, or an empty string."""
         return self._line if self._holder.asks else ""
 
     def send(self, line: str, stands: Reason | None) -> None:
-        """Send a line, unless there is a reason why nothing may move; too many that wait for answers are nobody who
-        means it."""
+        """Send a line, unless the robot must stand, or too many lines wait for answers."""
         if stands is not None or len(self._sent) >= MOST_WAITING:
             self._report(line, stands or Reason("busy", "too many lines wait for their answer"))
             return
         self._sent.append(_SentLine(line, self._ctx.ask("say", LineCommand(line=line), SAY_S)))
 
     def step(self, results: list[GoalResult], stands: Reason | None) -> None:
-        """Read answers, and renew what moves, unless there is a reason why nothing may."""
+        """Read answers, and renew the motion, unless the robot must stand."""
         for sent in [sent for sent in self._sent if sent.question.answers() is not None]:
             self._sent.remove(sent)
             self._read_answer(sent, next(iter((sent.question.answers() or {}).values()), None))

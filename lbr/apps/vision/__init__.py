@@ -1,6 +1,6 @@
-"""The coloured thing or face in a camera's picture, and where it is: reported, or followed by the head.
+"""The direction of a coloured thing or a face in a camera's picture: reported, or followed by the head.
 
-Looking needs OpenCV, the extra `vision`, and none of it before a search begins.
+A search needs OpenCV, the extra `vision`; nothing of it is loaded before.
 """
 
 from lbr.component import Component

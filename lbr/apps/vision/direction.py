@@ -1,4 +1,4 @@
-"""Where something is that a picture shows: a direction, and how large it looks. Pure.
+"""The direction and apparent size of a target in a picture. Pure.
 
 Yaw is positive to the left, pitch is positive downwards (REP 103).
 """
@@ -17,7 +17,7 @@ class Angles(NamedTuple):
 
 
 def direction(camera: Angles, seen: Seen, field_rad: float) -> Angles:
-    """Return where something seen is, as the angles by which the camera would have it in the middle."""
+    """Return the direction of a target: the angles of a camera that has it in the middle."""
     scale = 2.0 * tan(field_rad / 2.0)
     left, up = -seen.x * scale, -seen.y * scale
     ahead = cos(camera.pitch_rad) + sin(camera.pitch_rad) * up
@@ -26,5 +26,5 @@ def direction(camera: Angles, seen: Seen, field_rad: float) -> Angles:
 
 
 def radius_rad(seen: Seen, field_rad: float) -> float:
-    """Return how large something looks, as the angle from its middle to its rim."""
+    """Return the apparent size of a target: the angle from its middle to its rim."""
     return atan(seen.radius * 2.0 * tan(field_rad / 2.0))

@@ -1,4 +1,4 @@
-"""Looks at pictures on a thread of its own, the newest only: a slow detector makes few looks, and delays nothing."""
+"""Searches the newest picture, on a thread of its own: a slow detector searches few pictures, and delays nothing."""
 
 import threading
 from collections import deque
@@ -16,14 +16,14 @@ NO_PICTURES = "no pictures come from the camera, or only old ones"
 
 
 class Look(NamedTuple):
-    """The content of a picture that was taken then."""
+    """The result of one picture, which was taken then."""
 
     taken_s: float
     seen: Seen | None
 
 
 class Eye:
-    """`trouble` says why it cannot see, or nothing; `ready`: it can."""
+    """The search. `trouble` is why it cannot run, or empty; `ready`: it can."""
 
     def __init__(self, make: Callable[[], Finder], wake: Callable[[], None]) -> None:
         self.trouble = ""
@@ -37,20 +37,20 @@ class Eye:
         threading.Thread(target=self._run, name="eye", daemon=True).start()
 
     def look(self, picture: bytes, taken_s: float) -> None:
-        """Look at a picture soon, unless a newer one comes before."""
+        """Search a picture soon, unless a newer one comes first."""
         with self._news:
             self._next = (picture, taken_s)
             self._news.notify()
 
     def looks(self) -> list[Look]:
-        """Return what was seen since the last call, oldest first."""
+        """Return the results since the last call, oldest first."""
         with self._news:
             found = list(self._looks)
             self._looks.clear()
         return found
 
     def close(self) -> None:
-        """Look at nothing any more."""
+        """End the search."""
         with self._news:
             self._closed = True
             self._news.notify()

@@ -1,6 +1,6 @@
-"""The find in a picture: the largest round thing of a colour, or the largest face. Needs OpenCV, the extra `vision`.
+"""The target in a picture: the largest round thing of a colour, or the largest face. Needs OpenCV, the extra `vision`.
 
-Positions and sizes are shares of the picture's width, so that it does not matter how small it was decoded.
+Positions and sizes are shares of the picture's width, whatever size it was decoded to.
 """
 
 import contextlib
@@ -14,11 +14,11 @@ from lbr.errors import InputError
 from lbr.messages.tracking import Seen, Target
 
 Finder = Callable[[bytes], Seen | None]
-"""Finds the target in a JPEG picture; None if it is not there, or the picture cannot be read."""
+"""Finds the target in a JPEG picture; None if it is not there, or the picture cannot be decoded."""
 
 
 def check(settings: VisionSettings, target: Target) -> None:
-    """Raise InputError if something is missing for finding the target, as far as that is known at once."""
+    """Raise InputError if something that the search needs is known to be missing."""
     if importlib.util.find_spec("cv2") is None:
         raise InputError("what looks at pictures needs OpenCV: pip install 'lbr[vision]'")
     if target == "colour":
@@ -32,7 +32,7 @@ def check(settings: VisionSettings, target: Target) -> None:
 
 
 def load() -> None:
-    """Load OpenCV ahead of its first use, which reports a missing package; it is slow on a busy machine."""
+    """Load OpenCV in advance, as that is slow on a busy machine; a missing package is reported at its first use."""
     with contextlib.suppress(InputError):
         _opencv()
 

@@ -1,4 +1,4 @@
-"""One look at the next new picture, which is saved with what is seen marked: for the user who sets the colour."""
+"""One look at the next new picture, saved with the target marked, for the user who sets the colour."""
 
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -18,7 +18,7 @@ Draw = Callable[[Any, Target, bytes], Sketch]
 
 
 class Glance:
-    """Looks on a thread, for that may take a while; one look at a time."""
+    """Looks on a thread, as that may take a while; one look at a time."""
 
     def __init__(self, ctx: Context[Any], draw: Draw = sketch) -> None:
         self._ctx = ctx
@@ -28,7 +28,7 @@ class Glance:
         self._looking: tuple[Call, Future[Sketch]] | None = None
 
     def ask(self, call: Call, command: LookCommand) -> None:
-        """Have the next new picture looked at: a camera that rested has one soon."""
+        """Look at the next new picture; a camera that rested has one soon."""
         if self._looking is not None or self._to_look is not None:
             call.refuse("a picture is being looked at; wait for the answer", "busy")
         else:
@@ -36,7 +36,7 @@ class Glance:
             self._look_at_new(*self._to_look)
 
     def step(self) -> None:
-        """Go on with it, and answer when it is done."""
+        """Continue the look, and answer when it is done."""
         if self._to_look is not None:
             self._look_at_new(*self._to_look)
         if self._looking is not None and self._looking[1].done():

@@ -1,4 +1,4 @@
-"""Looking at a camera's pictures as they come: which of them count, what was seen last, and why nothing is."""
+"""The search in a camera's pictures: which pictures count, the last result, and why it is missing."""
 
 from collections import deque
 from math import inf
@@ -12,7 +12,7 @@ RATE_OVER_S = 2.0
 
 
 class Looking:
-    """One target is looked for, by an eye that is closed with this; used by the capability's own loop."""
+    """The search for one target, by an eye that it closes; for the capability's own loop."""
 
     def __init__(self, ctx: Context[Any], eye: Eye) -> None:
         self.eye = eye
@@ -24,7 +24,7 @@ class Looking:
         self._looked: deque[float] = deque(maxlen=100)
 
     def take(self, now: float) -> list[Look]:
-        """Give the eye the newest picture if it is one of now, and return what it has seen since, oldest first."""
+        """Give the eye the newest picture if it is recent; return the eye's new results, oldest first."""
         for received in self._ctx.take("frame")[-1:]:
             if 0.0 <= received.age_s(now) <= self._ctx.settings.max_age_s:
                 self._picture_s = received.arrived
@@ -38,7 +38,7 @@ class Looking:
         return looks
 
     def counts(self, look: Look, now: float) -> bool:
-        """Return whether a picture that was looked at is new enough."""
+        """Return whether a picture is new enough."""
         most_s: float = self._ctx.settings.max_age_s
         return now - look.taken_s <= most_s
 
@@ -47,19 +47,19 @@ class Looking:
         return now - self._picture_s <= NO_PICTURE_S
 
     def trouble(self, now: float) -> str:
-        """Return why no pictures are looked at, or nothing; the first has a while to come."""
+        """Return why no pictures are searched, or an empty string; the first one has a while to come."""
         if now - max(self._picture_s, self.began_s) <= NO_PICTURE_S:
             return ""
         return camera_off(self._ctx.latest("camera")) or NO_PICTURES
 
     def age_s(self, now: float) -> float | None:
-        """Return how long ago the target was seen; None: not yet."""
+        """Return the time since the target was seen; None before that."""
         return round(now - self.seen_s, 3) if self.seen_s > -inf else None
 
     def pictures_hz(self, now: float) -> float:
-        """Return how many pictures a second were looked at of late."""
+        """Return the rate of searched pictures of late."""
         return round(sum(1 for looked in self._looked if now - looked <= RATE_OVER_S) / RATE_OVER_S, 1)
 
     def close(self) -> None:
-        """Look no more."""
+        """End the search."""
         self.eye.close()

@@ -16,14 +16,14 @@ Image = np.ndarray[Any, Any]
 
 MOST_PIXELS = 4096 * 4096
 REDUCED_TO_PX = 320
-"""Pictures are decoded at a half, a quarter or an eighth of their size, but not narrower than this."""
+"""The least width of a decoded picture. Pictures are decoded at a half, a quarter or an eighth of their size."""
 LEAST_RADIUS = 0.006
-"""A share of the picture's width, 4 pixels of 640. Smaller blobs are noise."""
+"""The least radius of a blob as a share of the picture's width, 4 pixels of 640. Smaller ones are noise."""
 LEAST_ROUND = 0.55
-"""The share that a round blob covers of the smallest circle around it. A ball half in shade is round, a stripe not."""
+"""The least share of its enclosing circle that a round blob covers. A ball half in shade is round, a stripe not."""
 FACE_SCORE = 0.7
 MIDDLE = 0.04
-"""The middle is a square with a side of twice this share of the width. The sample colour should fill it."""
+"""Half the side of the middle square, as a share of the width. The sample colour should fill the square."""
 USUAL_PERCENT = (5.0, 95.0)
 SEEN_COLOUR, MIDDLE_COLOUR = (0, 255, 0), (255, 255, 255)
 
@@ -93,7 +93,7 @@ def mask(image: Image, ranges: tuple[tuple[Hsv, Hsv], ...]) -> Image:
 
 
 def largest_round(colour_mask: Image) -> Seen | None:
-    """Return the largest roughly round blob; of a blob at the picture's edge only the visible part must be round."""
+    """Return the largest roughly round blob; at the picture's edge only the visible part must be round."""
     height, width = colour_mask.shape[:2]
     contours, _ = cv2.findContours(colour_mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     best, best_area = None, 0.0
@@ -120,7 +120,7 @@ def largest_face(image: Image, detector: Detector) -> Seen | None:
 
 def _seen(x: float, y: float, radius: float, width: int, height: int) -> Seen | None:
     values = ((x + 0.5) / width - 0.5, ((y + 0.5) - height / 2.0) / width, radius / width)
-    within = all(-1.0 <= value <= 1.0 for value in values)  # NaN is not
+    within = all(-1.0 <= value <= 1.0 for value in values)  # false for NaN
     return Seen(x=values[0], y=values[1], radius=values[2]) if within and radius >= 0.0 else None
 
 
@@ -144,7 +144,7 @@ def _face_detector(model: str) -> Detector:
 
 
 def middle(image: Image) -> str:
-    """Return the colours of the middle in words. Hues wrap, so they are measured from the most frequent hue."""
+    """Return the colours of the middle in words. Hues wrap, so they are measured from the most frequent one."""
     height, width = image.shape[:2]
     half = max(1, round(MIDDLE * width))
     part = image[max(0, height // 2 - half) : height // 2 + half, max(0, width // 2 - half) : width // 2 + half]

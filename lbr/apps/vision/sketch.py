@@ -1,5 +1,4 @@
-"""A picture with what is seen in it marked, and what colour its middle has: for the user who sets the colour to look
-for.
+"""A picture with the target marked, and the colour of its middle, for the user who sets the colour.
 
 Needs OpenCV, as `finding` does.
 """
@@ -13,14 +12,14 @@ from lbr.messages.tracking import Seen, Target
 
 
 class Sketch(NamedTuple):
-    """The find, in words, and the marked picture as JPEG."""
+    """The result in words, and the marked picture as JPEG."""
 
     text: str
     picture: bytes
 
 
 def sketch(settings: VisionSettings, target: Target, data: bytes) -> Sketch:
-    """Look at a picture; raise InputError if that cannot be."""
+    """Search a picture, and mark the target; raise InputError if that is not possible."""
     seen = finder(settings, target)(data)
     from lbr.apps.vision import opencv
 

@@ -356,7 +356,7 @@ def _rows(database: Path | None, robot: str | None) -> RobotRows:
 
 
 def _rows_if_any(database: Path | None, robot: str | None) -> RobotRows | None:
-    """Return a robot's rows to check a file by; None if no database exists and none is named."""
+    """Return a robot's rows to check a file by; None without the default database, unless another is named."""
     if database is None and robot is None and not home.default_database().exists():
         return None
     return _rows(database, robot)

@@ -1,1 +1,1 @@
-"""`lbr import`, and `lbr motion`: files in and out, whether a motion stands, motions that are drawn up."""
+"""`lbr import`, and `lbr motion`: files in and out, the balance of motions, and the jobs of the page's builder."""

@@ -1,4 +1,4 @@
-"""`lbr import`: what a robot's former programs kept becomes its rows, with a report of what has no place."""
+"""`lbr import`: the files of a robot's former programs become its rows, with a report of values without a place."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -55,8 +55,9 @@ def command(
 ) -> int:
     """Take what a robot's former programs kept: their databases, tables and motions, from a file or all of a folder.
 
-    All of it is written, or nothing, as one edit that a running robot follows. A value that is not as shipped is a person's. If a file differs, it is named and nothing is written, unless --replace is given. The report tells
-    each thing that was changed, brought within limits or has no place here.
+    All of it is written, or nothing, as one edit that a running robot follows. A value that is not as shipped is a
+    person's. If a file differs, it is named and nothing is written, unless --replace is given. The report names each
+    value that was changed, brought within limits or has no place here.
     """
     with opened(database) as rows:
         if wanted is not None and wanted not in (known := old_files.formats()):
@@ -84,7 +85,7 @@ def command(
 
 
 def _given(path: Path, wanted: str | None) -> tuple[list[Given], list[Note]]:
-    """Return what is in a file, or in each file of a folder, and which of those are not known."""
+    """Read a file, or each file of a folder; return the known ones, and notes about the others."""
     if not path.is_dir():
         found = old_files.understood(path, wanted)
         if found.why:
@@ -102,7 +103,7 @@ def _given(path: Path, wanted: str | None) -> tuple[list[Given], list[Note]]:
 
 
 def _robot(rows: Database, robot: str | None, given: Sequence[Given]) -> str:
-    """Return the robot that is meant, or the only one that all of the files are for."""
+    """Return the chosen robot, or the only one that all files fit."""
     names = rows.robots(robot.replace("-", "_") if robot is not None else None)
     if robot is not None:
         return names[0]
@@ -134,7 +135,7 @@ def _planned(
     *,
     replacing: bool,
 ) -> Imported:
-    """Return what all files together would write; InputError names what of a person's is in the way."""
+    """Return the rows that all files together would write; raise InputError for a person's rows in the way."""
     tables, _ = rows.tables()
     present = wanted_rows.RowsOfRobot(tables, robot)
     wants: list[Want] = []
@@ -174,14 +175,14 @@ def _planned(
 
 
 def _write(rows: Database, robot: str, plan: Imported, revision: int, *, dry_run: bool) -> Imported:
-    """Write the rows of a plan that a start accepts, and return the plan without the others."""
+    """Write the rows of a plan that the robot accepts; return the plan without the others."""
     while plan.rows:
         proposed = edits.write_rows(
             rows, robot, plan.rows, problems_of, create=None, revision=revision, dry_run=dry_run
         )
         accepted = wanted_rows.without(plan, robot, proposed.problems)
         if accepted.rows == plan.rows:
-            proposed.good()  # raises where the problem is in other rows
+            proposed.good()  # raises if the problem is in other rows
             break
         plan = accepted
     return plan

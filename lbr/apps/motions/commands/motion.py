@@ -150,8 +150,8 @@ def import_(
 def stable(names: tuple[str, ...], robot: str | None, dry_run: bool, database: Path | None, as_json: bool) -> int:
     """Find in which key frames of the motions NAMES, or of all, the simulated body stands, and write that down.
 
-    A robot that is stopped on its way goes on to the nearest of them. The motions of a controller have none here: their
-    last row of motion_step says by hand whether the robot may go straight to where they lead.
+    A robot that is stopped on its way goes on to the nearest of them. A controller's motions have no frames here: for
+    these, a person sets in their last row of motion_step whether the robot may go straight to their end.
     """
     from lbr.apps.motions.commands import standing as motion_standing  # noqa: PLC0415 - the engine is for those who ask for it
 
@@ -191,7 +191,7 @@ def _home() -> str:
 def _understood(
     opened: "Database", file: Path, robot: str | None, name: str | None
 ) -> tuple[str, Motion, RobotRows, list[Note]]:
-    """Return for whom a file is, its motion, that robot's rows, and what people should know."""
+    """Return the robot of a file, its motion, that robot's rows, and notes for people."""
 
     content = given_files.read(file, LARGEST_BYTES)
     notes: list[Note] = []

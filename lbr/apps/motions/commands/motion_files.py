@@ -1,4 +1,4 @@
-"""Motions in files: in JSON, and those of robots' makers; from there to rows, within the joints' limits."""
+"""Motions in files: in JSON, and in the forms of robots' makers; and as rows within the joints' limits."""
 
 from collections.abc import Iterable
 from typing import Literal, NamedTuple
@@ -17,7 +17,7 @@ from lbr.robot.old_data import Note
 
 
 class MotionFile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="format", tag="lbr-motion"):
-    """A motion as a file to share; `robot` is whose joints it names."""
+    """A motion as a file to share; `robot` is the robot of its joints."""
 
     robot: str
     motion: Motion
@@ -25,7 +25,7 @@ class MotionFile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, 
 
 
 class Summary(NamedTuple):
-    """The demands of a motion: `fastest` joint, how fast, and how fast it may be; `clipped` is how often it was cut."""
+    """The demands of a motion: its `fastest` joint, with speed and limit; `clipped` counts the clipped angles."""
 
     frames: int
     duration_s: float
@@ -37,9 +37,9 @@ class Summary(NamedTuple):
 
 
 def exported(robot: str, motion: Motion, rows: RobotRows, suffix: str = "") -> tuple[bytes, list[Note]]:
-    """Return a motion as the content of a file, in a maker's format by its suffix, and what that cannot say.
+    """Return a motion as the content of a file, in a maker's form by its suffix, and what that form cannot express.
 
-    InputError if the controller keeps it, or if files of that suffix are only read.
+    Raise InputError if the controller stores the motion, or if files of that suffix are only read.
     """
     if motion.slot is not None:
         raise InputError(
@@ -58,7 +58,7 @@ def exported(robot: str, motion: Motion, rows: RobotRows, suffix: str = "") -> t
 
 
 def read(content: bytes, suffix: str = "") -> MotionFile | MakersMotion:
-    """Return the content of a file, by the suffix of its name; InputError names its fault."""
+    """Parse a file, by the suffix of its name; raise InputError with its fault."""
     if len(content) > LARGEST_BYTES:
         raise InputError(f"it has {len(content)} bytes, and a motion file has {LARGEST_BYTES} at most")
     if (found := registry.motion_formats().get(suffix.lower())) is not None:
@@ -72,7 +72,7 @@ def read(content: bytes, suffix: str = "") -> MotionFile | MakersMotion:
 
 
 def within_limits(motion: Motion, joints: Iterable[Joint], *, clip: bool) -> tuple[Motion, int]:
-    """Return the motion with every angle within its joint's limits, and how many were cut; InputError unless `clip`."""
+    """Return the motion within its joints' limits, and the number of clipped angles; InputError without `clip`."""
     if len(motion.frames) > MAX_FRAMES:
         raise InputError(f"motion '{motion.name}' has {len(motion.frames)} key frames, and {MAX_FRAMES} may be")
     rows = {row.name: row for row in joints}
@@ -96,13 +96,13 @@ def within_limits(motion: Motion, joints: Iterable[Joint], *, clip: bool) -> tup
 
 
 def _within(frame: KeyFrame, rows: dict[str, Joint]) -> KeyFrame:
-    """Return a key frame within the limits; where an angle was cut, it is not known any more to stand there."""
+    """Return a key frame within the limits; a clipped one is no longer known to be stable."""
     positions = {name: _clipped(angle, rows[name]) for name, angle in frame.positions.items()}
     return replace(frame, positions=positions, stable=frame.stable and positions == frame.positions)
 
 
 def summary(motion: Motion, joints: Iterable[Joint], clipped: int = 0) -> Summary:
-    """Return what a motion asks for, from its first key frame on; InputError if it moves nothing."""
+    """Return the demands of a motion from its first key frame on; raise InputError if it moves nothing."""
     rows = {row.name: row for row in joints}
     at: dict[str, float] = {}
     worst = ("", 0.0, 0.0)

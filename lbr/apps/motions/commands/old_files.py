@@ -1,4 +1,4 @@
-"""Finds out what is in the files that a person gives: motions, or what a robot's former program kept."""
+"""Detects the content of a file: a motion, or data of a robot's former program."""
 
 from collections.abc import Callable
 from functools import cache
@@ -16,14 +16,13 @@ from lbr.robot.motion_file import MakersMotion
 from lbr.robot.old_data import ForeignTables, OldData, Source
 
 LARGEST_BYTES = 16 << 20
-"""Of one file: a hundred times what any of these programs kept."""
+"""The largest file: a hundred times the data of any of these programs."""
 OWN = "motion"
-"""The format that `lbr motion export` writes."""
+"""The format of `lbr motion export`."""
 
 
 class Given(NamedTuple):
-    """A file and what is in it: motions, or what a former program kept; nothing if no format is that, and then
-    `why`."""
+    """A file and its content: motions, or a former program's data; neither for an unknown format (`why`)."""
 
     path: Path
     format: str
@@ -33,14 +32,14 @@ class Given(NamedTuple):
 
 
 def formats() -> dict[str, str]:
-    """Return the names of all formats, and what they are."""
+    """Return the names of all formats, with their descriptions."""
     makers = {suffix.removeprefix("."): f"motions {one.summary}" for suffix, one in registry.motion_formats().items()}
     old = {name: one.summary for name, one in registry.old_formats().items()}
     return {OWN: "a motion that 'lbr motion export' wrote", **dict(sorted({**makers, **old}.items()))}
 
 
 def understood(path: Path, wanted: str | None = None) -> Given:
-    """Return the content of a file; InputError names the fault of one of a known format, or of the wanted one."""
+    """Read a file; raise InputError for a fault in a known or the wanted format."""
     content = given_files.read(path, LARGEST_BYTES)
     makers, old_formats = registry.motion_formats(), registry.old_formats()
     if wanted is not None and wanted not in formats():

@@ -1,4 +1,4 @@
-"""In which key frames of a motion the simulated body stands: played up to each of them, stopped there, and watched."""
+"""The key frames of a motion in which the simulated body stands: it plays up to each of them, stops, and is watched."""
 
 import random
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,14 +13,14 @@ from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 
 WORLD = "humanoid_world"
 ROUNDS = (1, 2)
-"""A walk is stopped in its first round, from rest, and in its second, under way."""
+"""The rounds in which a walk is stopped: its first, from rest, and its second, under way."""
 ASKEW_RAD = 0.006
-"""The error of a joint's zero, one standard deviation: a third of a degree, as a calibration by hand leaves."""
+"""The standard deviation of a joint's zero: a third of a degree, as after a calibration by hand."""
 SEEDS = (1, 2, 3)
 
 
 def world(rows: RobotRows, robot: str) -> HumanoidWorldSettings:
-    """Return how a robot is simulated: as its rows say, or with the body of its name."""
+    """Return the simulation of a robot: of its rows, or with the body of its name."""
     found = (row.settings for row in rows.capabilities if row.kind == WORLD)
     return msgspec.json.decode(next(found, f'{{"model": "{robot}"}}'), type=HumanoidWorldSettings)
 
@@ -32,7 +32,7 @@ def stable_frames(
     lead_in: Sequence[KeyFrame],
     frames: Sequence[KeyFrame],
 ) -> Iterator[bool]:
-    """Yield of each key frame whether the body stays on its feet there, with joints a little askew, each time."""
+    """Yield for each key frame whether the body stays on its feet there, with each of several errors of its joints."""
     rounds = ROUNDS if lead_in else ROUNDS[:1]
     for at in range(len(frames)):
         ways = [(*lead_in, *tuple(frames) * (count - 1), *frames[: at + 1]) for count in rounds]

@@ -1,4 +1,4 @@
-"""The earlier versions of a motion, out of the revisions that the database keeps of every row; pure."""
+"""The earlier versions of a motion, from the revisions of every row in the database. Pure."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import datetime
@@ -15,17 +15,16 @@ from lbr.messages.unreadable import UNREADABLE
 R = TypeVar("R", MotionRow, MotionStep)
 MOST = 50
 TOGETHER_S = 1.0
-"""An edit writes its rows one after the other within this; a person who saves again takes longer."""
+"""The time within which one edit writes its rows; a person who saves again takes longer."""
 TABLES = frozenset((MotionRow.TABLE, MotionStep.TABLE))
 Values = dict[tuple[str, ...], dict[str, object]]
 """Rows of a motion by table and key."""
 
 
 def versions(now: Motion | None, revisions: Iterable[RevisionRow], robot: str, name: str) -> tuple[MotionVersion, ...]:
-    """Return the versions of a motion, newest first, the one of `now` among them; those without key frames are left
-    out.
+    """Return the versions of a motion, newest first, with the one of `now`; those without key frames are left out.
 
-    A change that only takes back the version before makes no version of its own.
+    A change that only undoes the version before is not a version of its own.
     """
     known: list[MotionVersion] = []
     for version in islice(_backwards(now, revisions, robot, name), 4 * MOST):
@@ -57,7 +56,7 @@ def _last_edit(revisions: list[RevisionRow]) -> list[RevisionRow]:
 
 
 def _apart_s(revision: RevisionRow, next_: RevisionRow) -> float:
-    """Return how much later the next was; not a number where that is not known, so that they count as apart."""
+    """Return the time between two changes; NaN if it is unknown, so that they count as apart."""
     try:
         return abs(
             (datetime.fromisoformat(next_.changed_at) - datetime.fromisoformat(revision.changed_at)).total_seconds()
@@ -74,7 +73,7 @@ def _undo(values: Values, revision: RevisionRow) -> None:
 
 
 def _motion(values: Mapping[tuple[str, ...], dict[str, object]], name: str) -> Motion | None:
-    """Return what rows make; None if there is no such motion among them, or not all of it can be read."""
+    """Return the motion of these rows; None if it is missing or incomplete."""
     try:
         rows = [_row(value, MotionRow) for (table, *_), value in values.items() if table == MotionRow.TABLE]
         steps = [_row(value, MotionStep) for (table, *_), value in values.items() if table == MotionStep.TABLE]

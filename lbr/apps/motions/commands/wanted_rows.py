@@ -1,4 +1,4 @@
-"""The merge of wanted rows into present ones: nothing of a person's is written over unasked; pure."""
+"""The merge of wanted rows into present ones, which never replaces a person's values unasked. Pure."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from json import dumps
@@ -23,11 +23,11 @@ from lbr.robot.old_data import Note, Want
 TABLES: Mapping[str, type[Row]] = {
     one.TABLE: one for one in (RobotRow, CapabilityRow, DeviceRow, ExternalCommandRow, CalibrationValue, Motor, Button)
 }
-"""The rows that data of a former program may become."""
+"""The tables that data of a former program may become."""
 
 
 class RowsOfRobot(Struct, frozen=True):
-    """One robot's rows out of the tables of all, as readers of old data see them."""
+    """One robot's rows from the tables of all, for readers of old data."""
 
     tables: RawTables
     robot: str
@@ -39,7 +39,7 @@ class RowsOfRobot(Struct, frozen=True):
 
 
 class Imported(Struct, frozen=True, kw_only=True):
-    """Rows to write, what became of everything, and what a person has set that would be written over."""
+    """Rows to write, the result of everything, and the person's values that would be replaced."""
 
     rows: tuple[Row, ...] = ()
     notes: tuple[Note, ...] = ()
@@ -47,8 +47,7 @@ class Imported(Struct, frozen=True, kw_only=True):
 
 
 def without(imported: Imported, robot: str, problems: Iterable[Problem]) -> Imported:
-    """Return what is left without the rows that problems are of, each with the parts of its whole; those have no
-    place."""
+    """Return the import without the rows that have problems, each with all rows of its whole; notes name these."""
     why = {(problem.table, problem.row): problem for problem in problems}
     refused: dict[tuple[str, str], Problem] = {}
     for row in imported.rows:
@@ -61,7 +60,7 @@ def without(imported: Imported, robot: str, problems: Iterable[Problem]) -> Impo
 
 
 def _without_advice(problem: Problem) -> str:
-    """Return what is wrong, without what to do about it in a robot's own rows."""
+    """Return the problem without its advice, which is for a robot's own rows."""
     return problem.text.partition(": ")[0]
 
 
@@ -70,7 +69,7 @@ def _whole(row: Row) -> tuple[str, str]:
 
 
 class _State(Struct):
-    """A row as it is, as it is to be, and as it was shipped; None is not there."""
+    """A row before, after, and as shipped; None: missing."""
 
     before: dict[str, object] | None
     after: dict[str, object]
@@ -78,8 +77,7 @@ class _State(Struct):
 
 
 def take(wants: Iterable[Want], here: RowsOfRobot, shipped: RawTables, *, replacing: bool) -> Imported:
-    """Return what these wants make of a robot's rows. Without `replacing` what differs from what was shipped is
-    kept."""
+    """Apply wants to a robot's rows; without `replacing`, values that differ from the shipped ones stay."""
     taking = _Taking(here, RowsOfRobot(shipped, here.robot), replacing=replacing)
     for want in wants:
         taking.add(want)
@@ -87,7 +85,7 @@ def take(wants: Iterable[Want], here: RowsOfRobot, shipped: RawTables, *, replac
 
 
 class _Taking:
-    """Applies one want after the other; several may be of one row."""
+    """Applies one want after the other; several may concern one row."""
 
     def __init__(self, here: RowsOfRobot, shipped: RowsOfRobot, *, replacing: bool) -> None:
         self._present = here
@@ -99,7 +97,7 @@ class _Taking:
         self._conflicts: list[str] = []
 
     def add(self, want: Want) -> None:
-        """Apply a want, and note what became of it."""
+        """Apply a want, and note the result."""
         key = tuple(want.key[name] for name in TABLES[want.table].KEY)
         row_name = _row_name(key)
         state = self._state(want, key)
@@ -118,7 +116,7 @@ class _Taking:
             self._notes.append(Note("changed", want.table, row_name, "", f"{want.source}: {want.text}"))
 
     def done(self) -> Imported:
-        """Return the rows; broken ones are reported, and left out."""
+        """Return the rows; invalid ones are noted and left out."""
         rows: list[Row] = []
         for (table, row_name), state in self._states.items():
             kind = TABLES[table]
@@ -140,7 +138,7 @@ class _Taking:
         return self._states[want.table, _row_name(key)]
 
     def _column(self, want: Want, state: _State, row_name: str, column: str, value: object) -> bool:
-        """Apply a column, and say whether that changes it; of two that contradict each other the first counts."""
+        """Apply a column, and return whether it changes; of two that contradict each other the first counts."""
         place = want.table, row_name, column
         if place in self._wanted:
             if (first := self._wanted[place]) != value:
@@ -167,8 +165,7 @@ class _Taking:
 
 
 def take_motions(motions: Iterable[Motion], rows: RobotRows, shipped: RawTables, *, replacing: bool) -> Imported:
-    """Return the rows of motions within the joints' limits, and what was brought within them; `take` says which are
-    kept."""
+    """Return the rows of motions, clipped to the joints' limits, and the notes; `replacing` is as for `take`."""
     known = {motion.name: motion for motion in motions_of(rows.of(MotionRow), rows.of(MotionStep))}
     first = Tables(shipped, rows.robot.name, {})
     as_shipped = motions_of(first.good(MotionRow), first.good(MotionStep))
@@ -231,7 +228,7 @@ def _read(kind: type[Row], values: RawRow) -> dict[str, object]:
 
 
 def _row(kind: type[Row], after: Mapping[str, object]) -> Row:
-    """Return a row of columns; WrongError or ValidationError names the wrong one."""
+    """Return a row of columns; raise WrongError or ValidationError with the faulty one."""
     row = msgspec.convert(dict(after), kind)
     for name, value in raw(row).items():
         try:
@@ -242,7 +239,7 @@ def _row(kind: type[Row], after: Mapping[str, object]) -> Row:
 
 
 def _get(row: Mapping[str, object], column: str) -> object:
-    """Return a column, or an entry of one that is a JSON object; None if it is not there."""
+    """Return a column, or an entry within a column of JSON; None if it is missing."""
     name, *path = column.split(".")
     value = row.get(name)
     if path and isinstance(value, str):

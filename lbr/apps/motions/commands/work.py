@@ -1,8 +1,7 @@
-"""`python -m lbr.apps.motions.commands.work`: one piece of work with a motion, as a process that may be ended at any
-time.
+"""`python -m lbr.apps.motions.commands.work`: one job with a motion, in a process that may be killed at any time.
 
-It reads a job as one line of JSON, says how far it is, and ends with its result; all as lines of JSON. Nothing that
-moves the robot waits for it: it is nice, and bounded in time and memory.
+It reads a job as one line of JSON, and writes its progress and its result as lines of JSON. Nothing that moves the
+robot waits for it: it has a low priority, and bounds on time and memory.
 """
 
 import os
@@ -45,15 +44,15 @@ R = TypeVar("R", bound="Row")
 NICENESS = 10
 MOST_CPU_S = 120
 MOST_BYTES = 4 << 30
-"""Of addresses, not of memory: libraries reserve far more than they use."""
+"""The bound on address space, which is more than memory: libraries reserve far more than they use."""
 LARGEST_JOB_BYTES = 16 << 20
 WORLD = "humanoid_world"
 SMOOTHEST = 1.5
-"""The time of a smooth way by that of a straight one at the same greatest speed."""
+"""The ratio of a smooth motion's time to a straight one's at the same greatest speed."""
 
 
 def main() -> int:
-    """Do the job on standard input; 0 if it has a result."""
+    """Do the job on standard input; return 0 if it has a result."""
     os.nice(NICENESS)
     resource.setrlimit(resource.RLIMIT_CPU, (MOST_CPU_S, MOST_CPU_S))
     resource.setrlimit(resource.RLIMIT_AS, (MOST_BYTES, MOST_BYTES))
@@ -74,7 +73,7 @@ def main() -> int:
 
 
 def done(job: Job) -> Iterator[Said]:
-    """Do a job: yield its progress, and its result at last; LbrError is the reason of a failure."""
+    """Do a job: yield its progress, and then its result; raise LbrError with the reason of a failure."""
     match job:
         case CheckJob():
             yield from _checked(job)
@@ -125,13 +124,13 @@ def _within(joint: Joint, angle: float) -> float:
 
 
 def _reached(start: dict[str, float], frames: tuple[KeyFrame, ...], joints: dict[str, Joint]) -> tuple[KeyFrame, ...]:
-    """Return key frames with a way to the first that no joint is too slow for, as motions are played."""
+    """Give the first key frame the time that its slowest joint needs, as when a motion is played."""
     ways = (abs(at - start[name]) / joints[name].speed_rps for name, at in frames[0].positions.items())
     return (replace(frames[0], duration_s=max(frames[0].duration_s, SMOOTHEST * max(ways, default=0.0))), *frames[1:])
 
 
 def _world(job: CheckJob) -> HumanoidWorldSettings:
-    """Return how the robot is simulated: as its own rows say, or its package's, or a body of its name."""
+    """Return the simulation of the robot: of its own rows, or its package's, or with the body of its name."""
     for settings in (*_settings_in(Path(job.database), job.robot), *_settings_of_package(job.robot)):
         try:
             return msgspec.json.decode(settings, type=HumanoidWorldSettings)
@@ -151,7 +150,7 @@ def _settings_in(database: Path, robot: str) -> Iterator[str]:
 
 
 def _settings_of_package(robot: str) -> Iterator[str]:
-    """Yield what the rows say that a robot's package brings."""
+    """Yield the settings in the rows of a robot's package."""
     from lbr.database import packaged  # noqa: PLC0415
 
     found = registry.find(robot)
@@ -205,7 +204,7 @@ def _versions(job: VersionsJob) -> Versions:
 
 
 class _Rows:
-    """A robot's rows, as far as files of motions ask for them."""
+    """A robot's rows, as far as files of motions need them."""
 
     def __init__(self, joints: tuple[Joint, ...], motors: tuple[Motor, ...]) -> None:
         self._tables: dict[type, tuple[Any, ...]] = {Joint: joints, Motor: motors}

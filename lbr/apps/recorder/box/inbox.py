@@ -86,7 +86,7 @@ class _Feed:
         self.number = number
         self.picture = picture
         self.counts = not topic.startswith("@")
-        """Whether gaps in the numbers count as losses. Events have many senders, each with its own numbers."""
+        """True if gaps in the numbers count as losses. Events have many senders, each with its own numbers."""
         self.last = 0
 
 

@@ -40,8 +40,8 @@ def command(
     """Answer as then: why something stood still, how each process was, or what the rows were.
 
     TIME is 10m (ago), 14:02, 'yesterday 9:30'. PART is what `why` is asked about, or a table of the rows. The answers
-    are out of the black box; rows are out of the past that the rows have themselves, and out of the box if that is of
-    other rows.
+    are from the black box. Rows are from the history of the rows themselves, or from the box if the database was
+    replaced since.
     """
     now = time.time_ns()
     at_ns = times.moment_ns(when, now)

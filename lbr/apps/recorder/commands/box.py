@@ -137,7 +137,7 @@ def export(
     folder: Path | None,
     force: bool,
 ) -> int:
-    """Write WHAT into files for other programs. Without WHAT it is the box; a time says which part of it."""
+    """Write WHAT into files for other programs. Without WHAT it is the box; times select a part of it."""
     if (mcap is None) == (folder is None):
         raise InputError("say where to: --mcap FILE, or --csv FOLDER")
     target = mcap or folder

@@ -122,7 +122,7 @@ class Shelf:
         return deleted
 
     def drop_oldest(self) -> bool:
-        """Delete the oldest of the box's own files; False if none is left or it cannot be deleted."""
+        """Delete the oldest of the box's own files; return whether one was deleted."""
         files = self.files()
         return bool(files) and _removed(files[0])
 

@@ -1,4 +1,4 @@
-"""The check of `lbr doctor` for a robot in ROS 2: whether the router of ROS is there."""
+"""The check of `lbr doctor` for a robot in ROS 2: whether the router of ROS answers."""
 
 import socket
 from collections.abc import Iterable, Iterator
@@ -14,7 +14,7 @@ START = "ros2 run rmw_zenoh_cpp rmw_zenohd, or set 'listen' of the row: docs/ros
 
 
 def router(robot: str, rows: Iterable[CapabilityRow]) -> Iterator[Finding]:
-    """Look for the router of every bridge of a robot to ROS."""
+    """Check the router of every bridge of a robot to ROS."""
     runs = any(one.robot == robot for one in home.running())
     for row in rows:
         if row.kind == KIND.name and row.enabled:

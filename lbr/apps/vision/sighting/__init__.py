@@ -1,1 +1,1 @@
-"""Sighting: reports where a camera sees a coloured thing or a face, while that is asked for; it moves nothing."""
+"""Sighting: reports the direction of a coloured thing or a face in a camera's picture, on request; it moves nothing."""

@@ -1,4 +1,4 @@
-"""Sighting as a capability: looks at a camera's pictures while that is asked for, and reports where the target is."""
+"""Sighting as a capability: searches a camera's pictures on request, and reports the target's direction."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -31,7 +31,7 @@ class _Watch:
 
 
 class Sighting(Capability[SightingSettings]):
-    """Looks for one target at a time; without anyone who asks, it reads no picture and the camera may rest."""
+    """Searches for one target at a time; without a request it reads no picture, and the camera may rest."""
 
     rate_hz = 5.0
 
@@ -44,7 +44,7 @@ class Sighting(Capability[SightingSettings]):
         self._warned = ""
 
     def step(self) -> None:
-        """Look at new pictures, and report."""
+        """Search new pictures, and report."""
         if self._watch is not None:
             self._go_on(self._watch)
         self._glance.step()
@@ -68,7 +68,7 @@ class Sighting(Capability[SightingSettings]):
         call.reply(CommandReply(accepted=True, reason=answer))
 
     def close(self) -> None:
-        """Look no longer."""
+        """End the search."""
         self._end("sighting is shutting down")
 
     def _asked(self, command: WatchCommand) -> str:
@@ -145,7 +145,7 @@ def where(seen: Seen, settings: SightingSettings) -> dict[str, float | None]:
     centre = direction(camera, seen, field_rad)
     aside = direction(Angles(0.0, 0.0), seen, field_rad)
     off_axis = cos(aside.yaw_rad) * cos(aside.pitch_rad)
-    half_rad = atan(tan(radius_rad(seen, field_rad)) * off_axis**2)  # away from the middle things are drawn out
+    half_rad = atan(tan(radius_rad(seen, field_rad)) * off_axis**2)  # away from the middle, things look stretched
     diameter_m = settings.diameter_m if half_rad > LEAST_WIDE_RAD else None
     return {
         "bearing_deg": round(-degrees(remainder(centre.yaw_rad, 2.0 * pi)), 1),

@@ -1,2 +1,1 @@
-"""Tracking: the head follows a coloured thing or a face that its camera sees, under a lease as anybody else's
-motion."""
+"""Tracking: the head follows a coloured thing or a face in its camera's picture, under a lease."""

@@ -1,4 +1,4 @@
-"""Tracking as a capability: looks at the head's pictures while that is asked for, and has the head follow."""
+"""Tracking as a capability: searches the pictures of the head's camera on request, and turns the head to the target."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -25,14 +25,14 @@ from lbr.messages.tracking import LookCommand, TrackCommand, TrackingState
 STATE_EVERY_S = 1.0
 JOINTS_CURRENT_S = 0.5
 ANSWER_S = 1.2
-"""A sender that wants the head to follow waits 2 s for the answer; on a busy machine the eye may take longer."""
+"""The longest wait for the eye before an answer. A sender waits 2 s, and the eye may take longer on a busy machine."""
 ROUND_S = 0.5
-"""The head turns ahead by the time between two rounds, but not by more than this."""
+"""The longest time between two rounds for which the head turns ahead."""
 
 
 @dataclass(slots=True)
 class _Following:
-    """The order under way; `call` waits for the answer until the head is ours and the eye sees."""
+    """The order under way; `call` is answered once the head is leased and the eye is ready."""
 
     command: TrackCommand
     mover: HeadClient
@@ -44,7 +44,7 @@ class _Following:
 
 
 class Tracking(Capability[TrackingSettings]):
-    """Has the head follow what is seen, until a stop of anything, or until there is nothing to see for long."""
+    """Turns the head to the target, until any stop, or until nothing was seen for long."""
 
     rate_hz = 30.0
     woken_by_streams = False
@@ -58,12 +58,12 @@ class Tracking(Capability[TrackingSettings]):
         self._warned = ""
 
     def open(self) -> None:
-        """Load what looks at pictures: later the head would be held meanwhile by a process that is not heard of."""
+        """Load OpenCV: loading it later would make the process silent while it holds the head."""
         load()
         self._publish_at = -inf
 
     def step(self) -> None:
-        """Look, and have the head follow."""
+        """Search new pictures, and move the head."""
         if self._following is not None:
             self._go_on(self._following)
         self._glance.step()
@@ -87,7 +87,7 @@ class Tracking(Capability[TrackingSettings]):
             super().command(call)
 
     def close(self) -> None:
-        """Have the head hold."""
+        """End the tracking; the head holds."""
         self._end(Reason("shutting_down", "tracking is shutting down"))
 
     def _begin(self, call: Call, command: TrackCommand) -> None:
@@ -113,7 +113,7 @@ class Tracking(Capability[TrackingSettings]):
         self._following = _Following(command, mover, Looking(self.ctx, eye), gaze, call, aim, turned_s=now)
 
     def _joints(self) -> Received:
-        """Return the last state of the joints; InputError if that is too old."""
+        """Return the last state of the joints; raise InputError if it is too old."""
         received = self.ctx.latest("joints")
         if received is None or not received.age_s(self.ctx.clock()) <= JOINTS_CURRENT_S:
             raise InputError(
@@ -155,7 +155,7 @@ class Tracking(Capability[TrackingSettings]):
         self._publish_state()
 
     def _look_around(self, following: _Following, now: float) -> None:
-        """Turn ahead slowly when nothing was seen for a while although there are pictures."""
+        """Turn ahead slowly if pictures come, but nothing was seen for a while."""
         since_s = min(now - following.turned_s, ROUND_S)
         following.turned_s = now
         lost = now - max(following.looking.seen_s, following.looking.began_s) > self.ctx.settings.lost_s
@@ -179,7 +179,7 @@ class Tracking(Capability[TrackingSettings]):
             self._publish_state()
 
     def _answer(self, following: _Following, call: Call, now: float) -> None:
-        """Say that the head follows, or will; an answer that comes too late would be taken for a failure."""
+        """Answer that the head follows, or will; a sender counts a late answer as a failure."""
         if not (following.looking.eye.ready or now - following.looking.began_s >= ANSWER_S):
             return
         following.call = None

@@ -1,7 +1,8 @@
-"""Where the head is to look, out of what a picture shows and how the head stood when it was taken. Pure.
+"""The head's next aim, from a picture and the head's posture when it was taken. Pure.
 
 Yaw is positive to the left, pitch is positive downwards (REP 103), and the camera looks where the head does. A target
-is a direction of the body's, not a place in the picture: so a late picture is as good as a new one, and nothing hunts.
+is a direction relative to the body, not a place in the picture. So a late picture is as good as a new one, and the head
+does not oscillate.
 """
 
 from dataclasses import dataclass
@@ -12,12 +13,12 @@ from lbr.apps.vision.direction import Angles, direction, radius_rad
 from lbr.messages.tracking import Seen
 
 NEAREST_RAD = 0.02
-"""Nearer than this is near enough for any target: a servo's count is 0.0185 rad."""
+"""The deviation that is near enough for any target: a servo's count is 0.0185 rad."""
 AHEAD = Angles(0.0, 0.0)
 
 
 class Pose(NamedTuple):
-    """The head's posture at a time, its possible error, and its rest beside its goal."""
+    """The head's posture at a time, its possible error, and its offset from the goal at rest."""
 
     angles: Angles
     unsure_rad: float
@@ -26,7 +27,7 @@ class Pose(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Tuning:
-    """The rules for following with the head; limits are those of its joints, the lower one first."""
+    """The parameters of following; limits are those of the head's joints, the lower one first."""
 
     yaw_limits: tuple[float, float]
     pitch_limits: tuple[float, float]
@@ -36,10 +37,10 @@ class Tuning:
 
 
 def follow(aim: Angles, head: Pose, seen: Seen, tuning: Tuning) -> Angles:
-    """Return where to look from now on, who was to look at `aim`.
+    """Return the next aim after `aim`.
 
-    A difference that the head's own movement may feign moves nothing, and no step passes the target: it is reached from
-    one side. A head that comes to rest beside its aim is asked for so much more.
+    A difference that may come from the head's own movement moves nothing. No step passes the target, which is reached
+    from one side. If the head rests beside its aim, the offset is added.
     """
     if not all(map(isfinite, (*head.angles, *head.beside, head.unsure_rad, seen.x, seen.y, seen.radius))):
         return aim
@@ -55,14 +56,14 @@ def follow(aim: Angles, head: Pose, seen: Seen, tuning: Tuning) -> Angles:
 
 
 def ahead_again(aim: Angles, step_rad: float, tuning: Tuning) -> Angles:
-    """Return an aim that is so much nearer to straight ahead."""
+    """Return an aim that is `step_rad` nearer to straight ahead."""
     away = hypot(*aim)
     share = max(0.0, 1.0 - step_rad / away) if away > 0.0 else 0.0
     return clamped(Angles(aim.yaw_rad * share, aim.pitch_rad * share), tuning)
 
 
 def clamped(angles: Angles, tuning: Tuning) -> Angles:
-    """Return the nearest that the joints can do."""
+    """Return the nearest angles within the joints' limits."""
     return Angles(_within(angles.yaw_rad, tuning.yaw_limits), _within(angles.pitch_rad, tuning.pitch_limits))
 
 

@@ -1,6 +1,6 @@
-"""The head's posture at a past time, by the late reports of its joints. Pure.
+"""The head's posture at a past time, from the recent reports of its joints. Pure.
 
-A joint that is not measured is taken to be where it was last told to be, and then to lag behind that.
+A joint without measurements is assumed at its last goal, or somewhat behind it.
 """
 
 from bisect import bisect_left
@@ -13,19 +13,19 @@ from lbr.messages.joints import JointState
 
 KEPT_S = 3.0
 SLACK_S = 0.1
-"""So much the time of a picture and that of a measurement may be apart although they are said to be the same."""
+"""The possible difference between the times of a picture and of a measurement with the same date."""
 LAG_S = 0.3
-"""So much a joint may lag behind its goal."""
+"""The greatest lag of a joint behind its goal."""
 CURRENT_S = 0.5
-"""A measurement from longer before a picture does not count for it."""
+"""The age before a picture at which a measurement no longer counts for it."""
 SETTLED_S = 0.6
 MOST_BESIDE_RAD = 0.3
 REST_RAD = 0.03
-"""A measurement may go to and fro between two counts."""
+"""The spread that counts as rest: a measurement may alternate between two counts."""
 
 
 class Line:
-    """A value over time; between two moments it went straight."""
+    """A value over time, linear between its samples."""
 
     def __init__(self) -> None:
         self._times: list[float] = []
@@ -37,7 +37,7 @@ class Line:
         return self._times[-1] if self._times else -inf
 
     def add(self, at_s: float, value: float) -> None:
-        """Take a value in; one that is not newer than the last does not count."""
+        """Add a value; one that is not newer than the last is ignored."""
         if not (isfinite(at_s) and isfinite(value) and at_s > self.newest_s):
             return
         self._times.append(at_s)
@@ -46,7 +46,7 @@ class Line:
         del self._times[:old], self._values[:old]
 
     def at(self, at_s: float) -> float:
-        """Return the value at a time; before the first and after the last as then. There must be one."""
+        """Return the value at a time, constant outside the samples. There must be one."""
         after = bisect_left(self._times, at_s)
         if after == 0:
             return self._values[0]
@@ -56,7 +56,7 @@ class Line:
         return self._values[after - 1] + share * (self._values[after] - self._values[after - 1])
 
     def spread(self, from_s: float, to_s: float) -> float:
-        """Return how far the value went between two moments."""
+        """Return the range of the value between two times."""
         if not self._times:
             return 0.0
         inner = self._values[bisect_left(self._times, from_s) : bisect_left(self._times, to_s)]
@@ -65,7 +65,7 @@ class Line:
 
 
 class _Where(NamedTuple):
-    """One joint at a time."""
+    """The position of one joint at a time."""
 
     rad: float
     unsure_rad: float
@@ -73,7 +73,7 @@ class _Where(NamedTuple):
 
 
 class JointPast:
-    """The late reports of one joint: its measured positions and its goals."""
+    """The recent reports of one joint: its measured positions and its goals."""
 
     def __init__(self) -> None:
         self._measured, self._goals = Line(), Line()
@@ -87,7 +87,7 @@ class JointPast:
             self._goals.add(sent_s, state.goal_rad)
 
     def at(self, taken_s: float) -> _Where | None:
-        """Return where it was; None if unknown."""
+        """Return the position at a time; None if unknown."""
         goals, measured = self._goals, self._measured
         if taken_s - measured.newest_s < CURRENT_S:
             unsure = measured.spread(taken_s - SLACK_S, taken_s + SLACK_S)
@@ -100,7 +100,7 @@ class JointPast:
         return _Where(goals.at(taken_s), goals.spread(taken_s - LAG_S, taken_s + SLACK_S), 0.0)
 
     def _rest(self, taken_s: float, unsure_rad: float) -> None:
-        """Learn how far beside its goal the joint comes to rest, such as by the weight of the head."""
+        """Learn the joint's offset from its goal at rest, such as by the weight of the head."""
         spread_rad = self._goals.spread(taken_s - SETTLED_S, taken_s + SLACK_S)
         if unsure_rad < REST_RAD and spread_rad < REST_RAD and self._goals.newest_s > -inf:
             beside = self._measured.at(taken_s) - self._goals.at(taken_s)
@@ -108,7 +108,7 @@ class JointPast:
 
 
 class Gaze:
-    """The head's two joints."""
+    """The postures of the head's two joints."""
 
     def __init__(self) -> None:
         self._yaw, self._pitch = JointPast(), JointPast()
@@ -120,7 +120,7 @@ class Gaze:
                 past.add(state, sent_s)
 
     def at(self, taken_s: float) -> Pose | None:
-        """Return how the head stood; None if unknown."""
+        """Return the head's posture at a time; None if unknown."""
         yaw, pitch = self._yaw.at(taken_s), self._pitch.at(taken_s)
         if yaw is None or pitch is None:
             return None

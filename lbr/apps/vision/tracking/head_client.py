@@ -1,4 +1,4 @@
-"""Moving the head: the joints are borrowed from the first look to the end, also while it rests on its target."""
+"""Moves the head: the joints are leased from the first look to the end, even while the head rests on its target."""
 
 from typing import NamedTuple
 
@@ -11,13 +11,13 @@ from lbr.messages.joints import JointsCommand
 
 JOINTS = LeaseTarget("move", "halt", "joints operation", "joints operation does not answer; the head holds by itself")
 TTL_S = 1.0
-"""Longer than others need: looking at pictures comes last on a busy machine, and a head does not go beyond its goal."""
+"""A longer lifetime than usual: the search comes last on a busy machine, and a head does not move beyond its goal."""
 RENEWAL = JointsCommand(ttl_s=TTL_S)
 EVERY_S = 1.0 / 15.0
 
 
 class Neck(NamedTuple):
-    """The names of the two joints, how fast they may turn, and how strong they are meanwhile."""
+    """The names of the two joints, their greatest speed, and their torque meanwhile."""
 
     yaw: str
     pitch: str

@@ -1,7 +1,7 @@
 """The longest silence of a page during its motion. Pure.
 
-A stick steers without end, so its page must send all the time. Other motion ends by itself, and its page only has to
-stay connected: a turn, a drive to a range or for a time, and a motion of joints through key frames.
+A stick steers without end, so its page must send all the time. Turns, drives to a range or for a time, and motions of
+joints through key frames end by themselves. Their page only has to stay connected.
 """
 
 from collections.abc import Mapping
