@@ -1,5 +1,6 @@
 """Where processes come in: at the core, or at an annex that knows rights which the core does not."""
 
+import socket
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import closing
@@ -17,7 +18,7 @@ from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.processes import doors as module
 from lbr.executive.processes.doors import Doors, OpenRouter, core_endpoint, local_endpoint
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 
 class Routers:
@@ -213,6 +214,21 @@ def test_a_router_answers_no_more_before_its_links_go(tmp_path: Path) -> None:
         )
         hung.close()
         assert watched.closed
+
+
+def test_a_closed_router_leaves_no_link_that_the_bus_library_forgot(tmp_path: Path) -> None:
+    path = str(tmp_path / "door.sock")
+    with socket.socket(socket.AF_UNIX) as listening, socket.socket(socket.AF_UNIX) as far:
+        listening.bind(path)
+        listening.listen()
+        far.connect(path)
+        forgotten, _ = listening.accept()
+        listening.close()
+        Path(path).unlink()
+        with forgotten:
+            OpenRouter(session.Router(listen=(f"unixsock-stream/{path}",)), "r").close()
+            far.settimeout(HANG_S)
+            assert far.recv(1) == b""
 
 
 class Watched:

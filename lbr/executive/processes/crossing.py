@@ -54,6 +54,11 @@ class Crossing:
             self._unanswered, self._due = self._unanswered + 1, time.monotonic() + ASKED_S
         return self._unanswered >= BROKEN_AFTER
 
+    @property
+    def passes(self) -> bool:
+        """Return whether the last question had its answer: routes are known to both ends then."""
+        return self._due is None
+
     def close(self) -> None:
         """Look no more."""
         self._due = None

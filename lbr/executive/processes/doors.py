@@ -13,6 +13,8 @@ other, and opens the outer one again if not.
 """
 
 import contextlib
+import os
+import socket
 import threading
 import time
 from collections import deque
@@ -73,12 +75,14 @@ class OpenRouter:
     def __init__(self, router: session.Router, robot: str) -> None:
         self.router = router
         self._session = session.open_router(router)
+        self._robot = robot
         self._answer = crossing.answer(self._session, robot)
-        self._status: Any = self._session.declare_querier(keys.status(robot))
+        self._status: Any = None
 
     @property
-    def passes(self) -> bool:
-        """Return whether it has a route to the status. Routers exchange new routes within 0.1 s."""
+    def knows_status(self) -> bool:
+        """Return whether it knows who answers for the status. Routers report such changes within 0.1 s."""
+        self._status = self._status or self._session.declare_querier(keys.status(self._robot))
         return bool(self._status.matching_status.matching)
 
     def crossing(self, far: str, robot: str, wake: Callable[[], None]) -> Crossing:
@@ -90,8 +94,10 @@ class OpenRouter:
         gone."""
         self._answer.close()
         self._session.close()
+        path = self.router.listen[0].removeprefix("unixsock-stream/")
+        _cut_links_to(path)
         with contextlib.suppress(OSError):
-            Path(self.router.listen[0].removeprefix("unixsock-stream/")).unlink()
+            Path(path).unlink()
 
 
 class Hung:
@@ -181,8 +187,11 @@ class Doors:
 
     @property
     def answers(self) -> bool:
-        """Return whether the executive answers who asks at the local door."""
-        return self._local.opened.passes
+        """Return whether the executive answers a client at the local door.
+
+        A router knows of the status for up to 0.1 s before its clients' questions find the way there.
+        """
+        return self._local.crossing.passes and self._local.opened.knows_status
 
     def adopt(self, plan: Plan) -> None:
         """Take over a plan: one annex is opened for all its processes whose rights no router knows."""
@@ -357,6 +366,21 @@ class Doors:
 
     def _open(self, router: session.Router) -> OpenRouter:
         return self._open_router(router, self._robot)
+
+
+def _cut_links_to(path: str) -> None:
+    """Cut what is still connected to the socket of a closed router.
+
+    The bus library forgets a link that comes before an older one of the same end has gone, and never closes it. The
+    other end holds a link to nobody then, and never connects again.
+    """
+    for entry in Path("/proc/self/fd").iterdir():
+        with contextlib.suppress(OSError):  # it has been closed meanwhile
+            if not entry.is_socket():
+                continue
+            with socket.socket(fileno=os.dup(int(entry.name))) as link:
+                if link.family == socket.AF_UNIX and link.getsockname() == path:
+                    link.shutdown(socket.SHUT_RDWR)
 
 
 def _wanted(plan: Plan) -> dict[str, Users]:
