@@ -127,10 +127,10 @@ def test_another_client_keeps_nothing_alive(bench, asker):
 
 def test_a_token_is_known_again_and_so_is_its_program_without_it(bench):
     client = Client("10.0.0.7", "fsm", "python-requests")
-    assert client.is_heard_by(Client("10.0.0.7", "fsm", "curl"))
-    assert client.is_heard_by(Client("10.0.0.7", "", "python-requests"))
-    assert not client.is_heard_by(Client("10.0.0.7", "", "Mozilla/5.0"))
-    assert not client.is_heard_by(Client("10.0.0.7", "iot", "python-requests"))
+    assert client.is_alive_by(Client("10.0.0.7", "fsm", "curl"))
+    assert client.is_alive_by(Client("10.0.0.7", "", "python-requests"))
+    assert not client.is_alive_by(Client("10.0.0.7", "", "Mozilla/5.0"))
+    assert not client.is_alive_by(Client("10.0.0.7", "iot", "python-requests"))
 
 
 def test_the_same_again_is_a_sign_of_life_and_begins_nothing_new(bench):
