@@ -2,16 +2,21 @@
 
 import os
 import shutil
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tests.support.waiting import HANG_S
+
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Playwright
+    from playwright.sync_api import Browser, Page, Playwright
 
 WINDOWED = "chromium"
 WINDOWLESS = "chromium-headless-shell"
 """Chromium without windows: with them, a page costs three times as much, most of it for the buttons around it."""
 ARGUMENTS = ("--no-sandbox", "--disable-gpu")
+AGAIN_MS = 20
 
 
 def start(playwright: "Playwright", *more: str) -> "Browser":
@@ -29,3 +34,13 @@ def windowed(home: Path | None, *more: str) -> dict[str, Any]:
     """Say how Chromium is launched with `more` arguments; what it keeps of certificates is below `home`, if one is given."""
     env = {**os.environ, **({"XDG_DATA_HOME": str(home)} if home else {})}
     return {"executable_path": shutil.which(WINDOWED), "args": [*ARGUMENTS, *more], "env": env}
+
+
+def within(page: "Page", true: Callable[[], Any], s: float = HANG_S) -> bool:
+    """Return whether something comes true while the page goes on."""
+    end = time.monotonic() + s
+    while time.monotonic() < end:
+        if true():
+            return True
+        page.wait_for_timeout(AGAIN_MS)
+    return bool(true())

@@ -1,7 +1,6 @@
 """Joints and motions in a browser: what a hand on the page moves, what is asked before the robot falls, what is red."""
 
 import json
-import time
 from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from typing import Any
@@ -9,6 +8,7 @@ from typing import Any
 import pytest
 
 from tests.support import browsers, needs
+from tests.support.browsers import within
 
 needs.modules("playwright")
 
@@ -83,16 +83,6 @@ def opened(browser, served, robot) -> Iterator[Callable[..., Page]]:
     assert errors == []
 
 
-def until_true(page: Page, true: Callable[[], Any], s: float = 15.0) -> bool:
-    """Say whether something comes true while the page goes on."""
-    end = time.monotonic() + s
-    while time.monotonic() < end:
-        if true():
-            return True
-        page.wait_for_timeout(30)
-    return bool(true())
-
-
 def drag(page: Page, joint: str, right: float, down: float) -> None:
     """Take hold of a limb on the drawing and pull it aside, in pixels."""
     box = page.locator("canvas").bounding_box()
@@ -113,11 +103,11 @@ def positions(robot: JointedRobot) -> list[dict[str, float]]:
 def test_a_dragged_limb_moves_its_joint_until_it_is_there(opened, robot):
     page = opened("joints", DESK)
     drag(page, "left_elbow", 60, -10)
-    assert until_true(page, lambda: positions(robot))
+    assert within(page, lambda: positions(robot))
     assert {name for one in positions(robot) for name in one} == {"left_elbow"}
     goal = positions(robot)[-1]["left_elbow"]
     assert abs(goal) > 0.05
-    assert until_true(page, lambda: abs(robot.angles["left_elbow"] - goal) < 0.03 and robot.holder is None)
+    assert within(page, lambda: abs(robot.angles["left_elbow"] - goal) < 0.03 and robot.holder is None)
 
 
 def test_a_limb_that_is_only_tapped_is_chosen_and_moves_nothing(opened, robot):
@@ -134,11 +124,11 @@ def test_a_slider_sends_a_joint_to_its_goal_where_it_is_green(opened, robot):
     page = opened("joints", DESK)
     row = page.locator('.joints-row[data-joint="right_knee"]')
     row.locator("input[type=range]").fill("-0.6")
-    assert until_true(page, lambda: positions(robot))
+    assert within(page, lambda: positions(robot))
     assert positions(robot)[-1]["right_knee"] == pytest.approx(-0.6, abs=0.01)
-    assert until_true(page, lambda: abs(robot.angles["right_knee"] + 0.6) < 0.03)
+    assert within(page, lambda: abs(robot.angles["right_knee"] + 0.6) < 0.03)
     expect(row).to_have_attribute("data-tone", "near")
-    assert until_true(page, lambda: robot.holder is None)
+    assert within(page, lambda: robot.holder is None)
 
 
 def test_a_number_is_sent_within_the_limits_and_not_beyond(opened, robot):
@@ -151,7 +141,7 @@ def test_a_number_is_sent_within_the_limits_and_not_beyond(opened, robot):
     assert robot.held == []
     number.fill("-30")
     number.press("Enter")
-    assert until_true(page, lambda: positions(robot))
+    assert within(page, lambda: positions(robot))
     assert positions(robot)[-1]["right_elbow"] == pytest.approx(-0.5236, abs=1e-3)
 
 
@@ -177,12 +167,12 @@ def test_releasing_all_is_asked_before_and_one_side_is_not(opened, robot):
     dialog.get_by_role("button", name="Cancel").click()
     assert robot.asked == []
     page.get_by_role("button", name="Switch off: Left").click()
-    assert until_true(page, lambda: robot.asked)
+    assert within(page, lambda: robot.asked)
     what, given = robot.asked.pop()
     assert (what, given["on"], len(given["joints"])) == ("joints/torque", False, 9)
     page.get_by_role("button", name="Switch all off").click()
     page.get_by_role("dialog").get_by_role("button", name="Switch all off").click()
-    assert until_true(page, lambda: robot.asked)
+    assert within(page, lambda: robot.asked)
     assert robot.asked[-1] == ("joints/torque", {"on": False, "confirmed": True})
     expect(page.locator('.joints-row[data-tone="limp"]')).to_have_count(18)
 
@@ -226,25 +216,25 @@ def test_a_refusal_has_the_button_that_mends_it(opened, robot):
     expect(page.locator(".notice")).to_contain_text("Joints are off.")
     expect(page.locator(".notice")).not_to_contain_text("/torque")
     page.locator(".notice").get_by_role("button", name="Switch on").click()
-    assert until_true(page, lambda: ("joints/torque", {"on": True}) in robot.asked)
+    assert within(page, lambda: ("joints/torque", {"on": True}) in robot.asked)
     robot.refusal = {"code": "held", "reason": "console holds it", "holder": "console"}
     page.get_by_role("button", name="Play wave", exact=True).click()
     expect(page.locator(".held")).to_contain_text("console moves it")
     robot.refusal = None
     page.get_by_role("button", name="Take over").click()
-    assert until_true(page, lambda: robot.playing == "wave")
+    assert within(page, lambda: robot.playing == "wave")
     assert robot.held[-1]["message"]["take_over"] is True
 
 
 def test_a_motion_is_played_and_ended(opened, robot):
     page = opened("motions", PHONE)
     page.get_by_role("button", name="Play wave", exact=True).click()
-    assert until_true(page, lambda: robot.held)
+    assert within(page, lambda: robot.held)
     assert robot.held[-1]["to"] == "motions/play"
     assert robot.held[-1]["message"] == {"motion": "wave", "times": 1, "speed": 1, "mirror": False}
     expect(page.locator(".motions-playing")).to_contain_text("wave")
     page.get_by_role("button", name="End it").click()
-    assert until_true(page, lambda: not robot.playing)
+    assert within(page, lambda: not robot.playing)
 
 
 def frame(duration_s: float = 0.6, **positions: float) -> dict[str, Any]:
@@ -286,7 +276,7 @@ def test_a_motion_that_is_being_built_moves_the_drawing_alone(opened, robot):
     assert robot.held == []
     assert abs(draft(page)[1]["positions"]["left_elbow"]) > 0.05
     page.get_by_role("button", name="Play on the robot").click()
-    assert until_true(page, lambda: robot.held)
+    assert within(page, lambda: robot.held)
     frames = robot.held[-1]["message"]["frames"]
     assert len(frames) == 2
     assert frames[0]["positions"]["left_elbow"] == 0.0
@@ -309,7 +299,7 @@ def test_key_frames_are_copied_moved_taken_out_and_taken_back_by_the_keyboard(bu
         ("Control+y", [-0.5, -0.2, -1.0]),
     ):
         page.keyboard.press(keys)
-        assert until_true(page, lambda expected=expected: angles() == expected), (keys, angles())
+        assert within(page, lambda expected=expected: angles() == expected), (keys, angles())
 
 
 def test_a_key_frame_is_dragged_to_another_time_and_those_behind_it_stay(building):
@@ -323,16 +313,16 @@ def test_a_key_frame_is_dragged_to_another_time_and_those_behind_it_stay(buildin
     page.mouse.down()
     page.mouse.move(lane["x"] + lane["width"] * 1.5 / 1.8, y, steps=4)
     page.mouse.up()
-    assert until_true(page, lambda: [one["duration_s"] for one in draft(page)] == [0.6, 0.9, 0.3])
+    assert within(page, lambda: [one["duration_s"] for one in draft(page)] == [0.6, 0.9, 0.3])
     page.get_by_role("button", name="Undo").click()
-    assert until_true(page, lambda: [one["duration_s"] for one in draft(page)] == [0.6, 0.6, 0.6])
+    assert within(page, lambda: [one["duration_s"] for one in draft(page)] == [0.6, 0.6, 0.6])
 
 
 @needs_mujoco
 def test_what_stands_is_checked_and_then_played(building, robot):
     page = building(PHONE, STANDS)
     page.get_by_role("button", name="Play on the robot").click()
-    assert until_true(page, lambda: robot.held)
+    assert within(page, lambda: robot.held)
     expect(page.locator(".motions-verdict")).to_contain_text("It stands")
     assert len(robot.held[-1]["message"]["frames"]) == 3
 
@@ -349,7 +339,7 @@ def test_what_falls_is_drawn_and_asked_about_once_more(building, robot):
     expect(page.locator(".motions-verdict")).to_contain_text("key frame")
     page.get_by_role("button", name="Play on the robot").click()
     dialog.get_by_role("button", name="Play it").click()
-    assert until_true(page, lambda: robot.held)
+    assert within(page, lambda: robot.held)
     page.get_by_role("button", name="Slower").click()
     expect(page.locator(".motions-fell")).to_have_count(0)
 
@@ -357,7 +347,7 @@ def test_what_falls_is_drawn_and_asked_about_once_more(building, robot):
 def test_a_motion_is_saved_and_comes_back_from_a_file(building, robot, tmp_path):
     page = building(DESK, [*STANDS[:2], frame(left_elbow=-0.2, right_elbow=-0.2)], "nod_twice")
     page.get_by_role("button", name="Save", exact=True).click()
-    assert until_true(page, lambda: robot.kept)
+    assert within(page, lambda: robot.kept)
     assert [len(row.positions) for row in robot.kept[-1][1:]] == [1, 1, 2]
     with page.expect_download() as started:
         page.get_by_role("button", name="Save as a .mtn file").click()
@@ -367,10 +357,10 @@ def test_a_motion_is_saved_and_comes_back_from_a_file(building, robot, tmp_path)
     expect(dialog).to_contain_text("What that form cannot say")
     dialog.get_by_role("button", name="Close").click()
     page.get_by_role("button", name="New").click()
-    assert until_true(page, lambda: draft(page) == [])
+    assert within(page, lambda: draft(page) == [])
     page.locator("input[type=file]").set_input_files(file)
     page.get_by_role("button", name="Open", exact=True).or_(page.locator(".motions-frame").first).first.click()
-    assert until_true(page, lambda: len(draft(page)) == 3)
+    assert within(page, lambda: len(draft(page)) == 3)
     page.locator("input[type=file]").set_input_files({"name": "photo.mtn", "mimeType": "image/png", "buffer": b"no motion"})  # fmt: skip
     expect(page.locator(".notices, [role=status], [role=alert]").filter(has_text="is no motion").first).to_be_visible()
 
@@ -378,14 +368,14 @@ def test_a_motion_is_saved_and_comes_back_from_a_file(building, robot, tmp_path)
 def test_one_side_is_posed_by_hand_and_the_robots_pose_becomes_a_key_frame(building, robot):
     page = building(DESK, STANDS[:1])
     page.get_by_role("button", name="Switch off", exact=True).click()
-    assert until_true(page, lambda: robot.asked)
+    assert within(page, lambda: robot.asked)
     what, given = robot.asked.pop()
     assert (what, given["on"], len(given["joints"])) == ("joints/torque", False, 9)
     expect(page.locator(".motions-live")).to_be_visible()
     robot.angles["left_elbow"] = -1.2
     page.wait_for_timeout(500)
     page.get_by_role("button", name="Add the robot's pose").click()
-    assert until_true(page, lambda: len(draft(page)) == 2)
+    assert within(page, lambda: len(draft(page)) == 2)
     assert draft(page)[1]["positions"]["left_elbow"] == pytest.approx(-1.2, abs=0.01)
 
 
@@ -419,6 +409,6 @@ def test_a_robot_that_lies_is_shown_above_every_view_with_what_gets_it_up(opened
     expect(banner).to_be_visible()
     assert banner.locator("p").bounding_box()["width"] > 180, "in two lines at most"
     banner.get_by_role("button", name="Get up").click()
-    assert until_true(page, lambda: robot.held and robot.held[-1]["message"]["motion"] == "get_up_face")
+    assert within(page, lambda: robot.held and robot.held[-1]["message"]["motion"] == "get_up_face")
     robot.fallen = ""
     expect(banner).to_have_count(0)

@@ -1,15 +1,15 @@
 """The page in a browser, on a phone's screen and a desk's: what a hand on it moves, and what stops when the hand is off."""
 
 import re
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
 from tests.apps.web.page_robot import PageRobot, page_robot
 from tests.support import browsers, needs
-from tests.support.waiting import HANG_S, STOPS_S, until
+from tests.support.browsers import within
+from tests.support.waiting import STOPS_S, until
 
 needs.modules("playwright")
 
@@ -109,16 +109,6 @@ def opened(browser, served, robot) -> Iterator[Opened]:
     assert [one for one in found.errors if "401" not in one and "403" not in one] == []
 
 
-def within(page: Page, true: Callable[[], Any], s: float = HANG_S) -> bool:
-    """Return whether something comes true while the page goes on."""
-    end = time.monotonic() + s
-    while time.monotonic() < end:
-        if true():
-            return True
-        page.wait_for_timeout(10)
-    return bool(true())
-
-
 def stands(page: Page, robot: PageRobot) -> bool:
     """Return whether the wheels come to stand."""
     return within(page, lambda: not robot.moves, STOPS_S)
@@ -129,7 +119,7 @@ def grip(page: Page, ahead: float = 0.32, right: float = 0.0) -> None:
     stick = page.locator(".drive-stick")
     expect(stick).to_be_visible()
     expect(page.locator('.linkdot[data-link="open"]')).to_be_visible()
-    stick.scroll_into_view_if_needed()
+    stick.hover(trial=True)  # until it stays where it is
     box = stick.bounding_box()
     assert box is not None
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2

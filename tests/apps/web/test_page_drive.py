@@ -6,12 +6,13 @@ import pytest
 
 from tests.apps.web.page_robot import MECANUM
 from tests.support import needs
+from tests.support.browsers import within
 
 needs.modules("playwright")
 
 from playwright.sync_api import Page, expect  # noqa: E402
 
-from tests.apps.web.test_page_browser import HIDE, browser, grip, opened, robot, served, stands, within  # noqa: E402
+from tests.apps.web.test_page_browser import HIDE, browser, grip, opened, robot, served, stands  # noqa: E402
 
 __all__ = ["browser", "opened", "robot", "served"]
 pytestmark = [needs.program("chromium", "chromium")]

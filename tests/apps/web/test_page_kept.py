@@ -12,8 +12,9 @@ from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
 from lbr.apps.web.page import files
 from lbr.bus import certificates
 from tests.apps.web.page_robot import page_robot
-from tests.apps.web.test_page_browser import PATIENT_S, Opened, grip, within
+from tests.apps.web.test_page_browser import PATIENT_S, Opened, grip
 from tests.support import browsers, needs
+from tests.support.browsers import within
 
 needs.modules("playwright")
 

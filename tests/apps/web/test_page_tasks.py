@@ -4,7 +4,6 @@ The robots are shared by all, and a page by all that suit its robot and size; `a
 """
 
 import re
-import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from importlib.util import find_spec
@@ -14,7 +13,7 @@ from typing import Any
 import pytest
 
 from tests.support import browsers, needs
-from tests.support.waiting import HANG_S
+from tests.support.browsers import within
 
 needs.modules("playwright")
 
@@ -137,16 +136,6 @@ def at(house, size) -> Iterator[Callable[..., tuple[Page, Any]]]:
     assert errors == []
 
 
-def within(page: Page, true: Callable[[], Any], s: float = HANG_S) -> bool:
-    """Return whether something comes true while the page goes on."""
-    end = time.monotonic() + s
-    while time.monotonic() < end:
-        if true():
-            return True
-        page.wait_for_timeout(20)
-    return bool(true())
-
-
 def press(page: Page, name: str | re.Pattern[str], **more: Any) -> None:
     page.get_by_role("button", name=name, **more).first.click()
 
@@ -154,7 +143,7 @@ def press(page: Page, name: str | re.Pattern[str], **more: Any) -> None:
 def push(page: Page) -> None:
     """Put a finger on the stick and push it ahead."""
     stick = page.get_by_role("application", name=re.compile("^Joystick"))
-    stick.scroll_into_view_if_needed()
+    stick.hover(trial=True)  # until it stays where it is
     box = stick.bounding_box()
     assert box is not None
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2

@@ -5,12 +5,13 @@ from collections.abc import Iterator
 import pytest
 
 from tests.support import browsers, needs
+from tests.support.browsers import within
 
 needs.modules("playwright")
 
 from playwright.sync_api import Browser, Page, expect, sync_playwright  # noqa: E402
 
-from tests.apps.web.test_page_browser import HIDE, opened, robot, served, stands, within  # noqa: E402
+from tests.apps.web.test_page_browser import HIDE, opened, robot, served, stands  # noqa: E402
 from tests.apps.web.test_page_drive import newest, shown  # noqa: E402
 
 __all__ = ["opened", "robot", "served"]
