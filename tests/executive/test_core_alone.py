@@ -30,8 +30,8 @@ BROUGHT = re.compile(r'^\w+ = "lbr\.(?:apps|robots|simulation)\b.*\n', re.MULTIL
 
 
 def copied(tree: Path, *without: str) -> None:
-    """Copy lbr to a folder, without some of it."""
-    shutil.copytree(ROOT / "lbr", tree / "lbr", ignore=shutil.ignore_patterns("__pycache__", "node_modules"))
+    """Copy lbr to a folder with what was compiled of it, without some of it."""
+    shutil.copytree(ROOT / "lbr", tree / "lbr", ignore=shutil.ignore_patterns("node_modules", "*.pyc.*"))
     for name in without:
         place = tree / "lbr" / name
         shutil.rmtree(place) if place.is_dir() else place.unlink()
