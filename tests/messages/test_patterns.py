@@ -51,7 +51,8 @@ def test_no_pattern_lets_a_lines_end_follow_what_it_fits() -> None:
     found = {
         f"{path.relative_to(LBR)}:{line}: {text}"
         for path in LBR.rglob("*.py")
-        for line, text in patterns(ast.parse(path.read_text(encoding="utf-8")))
+        if "$" in (source := path.read_text(encoding="utf-8"))
+        for line, text in patterns(ast.parse(source))
         if END.search(text)
     }
     assert not found
