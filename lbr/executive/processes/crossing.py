@@ -1,8 +1,7 @@
-"""Tells whether what is asked at one router reaches another that has called it.
+"""Finds out whether questions pass from one router to another that has called it.
 
-The bus library takes up a broken link by itself, sometimes within a millisecond. Where the end that is called lets the
-old link go only after the new one has come, it forgets by that who is behind the link, and learns it no more: the
-link stands, and every question ends there. Only asking shows it.
+The bus library takes up a broken link by itself, sometimes within a millisecond. If the called end has not let the old
+link go by then, it forgets the new one. That link stands, and no question passes. Only asking shows it.
 """
 
 import time
@@ -13,8 +12,7 @@ from lbr.bus.links import Links
 from lbr.bus.session import Session
 
 LOOK_AFTER_S = 0.3
-"""Routers tell one another what has changed 0.1 s later; beside five loaded robots on two cores it took 0.5 s at
-most."""
+"""Routers report changes to one another 0.1 s later. Beside five loaded robots on two cores it took 0.5 s at most."""
 ASKED_S = 0.5
 BROKEN_AFTER = 4
 
@@ -46,8 +44,7 @@ class Crossing:
         return self._due
 
     def broken(self) -> bool:
-        """Ask once, for at most ASKED_S; say whether so many questions had no answer that nothing will pass any
-        more."""
+        """Ask once, for at most ASKED_S; return whether so many questions had no answer that nothing will pass."""
         if wire.ask(self._near, self._key, None, source="executive", timeout_s=ASKED_S):
             self._unanswered, self._due = 0, None
         else:

@@ -3,13 +3,13 @@
     process (user, password) ──► core ◄── annex: opened later, for processes whose rights the core does not know
     anybody at the socket ─────► local door ─┘
 
-The rights of a router are fixed when it opens, and to reopen the core would cut off everything that moves. So the
-processes that an edit has given other rights get an annex: a router that knows their rights, hung on the core until
-none of them runs any more. `lbr/executive/planning/rights.py` says who may do what.
+The rights of a router are fixed when it opens, and to reopen the core would cut off everything that moves. So an edit
+that gives processes other rights opens an annex: a router with these rights, hung on the core. It is closed when none of
+the processes runs any more. `lbr/executive/planning/rights.py` has the rights of each.
 
-A thread of its own opens and closes annexes, because the bus library may take its time: nothing waits for it but the
-processes that are to come in there. When a link between two routers has broken, it tries whether they still know each
-other, and opens the outer one again if not.
+A thread of its own opens and closes annexes, because the bus library may take its time. Only the processes that are to
+come in there wait for it. When a link between two routers has broken, the thread asks whether questions still pass,
+and opens the outer router again if not.
 """
 
 import contextlib
@@ -39,8 +39,8 @@ EXECUTIVE, ANNEX = "@executive", "@annex"
 CORE = "core"
 TRUSTED = Rights(trusted=True)
 SETTLED_S = 0.3
-"""Routers tell one another what has changed 0.1 s later, and one that is closed before keeps a thread of the library
-for ten seconds: of those it has fifty, and without them no client comes in."""
+"""Routers report changes to one another 0.1 s later. One that is closed before keeps a thread of the library for ten
+seconds. The library has fifty of them, and without a free one no client comes in."""
 OPENS_WITHIN_S = 5.0
 RETRY_S = 1.0
 CLOSES_WITHIN_S = 1.0
@@ -131,8 +131,8 @@ class Annex(NamedTuple):
 class Doors:
     """Opens core and local door, and annexes as plans need them. Raises BusError if a socket is taken.
 
-    `wake` is called when a place has become free to come in at, or there is something to tell. `open_router` is there
-    for tests.
+    `wake` is called when a router has opened for a process that waits, or there is news. `open_router` is there for
+    tests.
     """
 
     def __init__(
@@ -146,7 +146,7 @@ class Doors:
         self._site = site
         self._wake = wake
         self._open_router = open_router
-        self._said: deque[str] = deque()
+        self._news: deque[str] = deque()
         self._plan = plan
         self._wanted = _wanted(plan)
         self._in_use: frozenset[str] = frozenset()
@@ -194,7 +194,7 @@ class Doors:
         return self._local.crossing.passes and self._local.opened.knows_status
 
     def adopt(self, plan: Plan) -> None:
-        """Take over a plan: one annex is opened for all its processes whose rights no router knows."""
+        """Adopt a plan: one annex is opened for all its processes whose rights no router knows."""
         wanted = _wanted(plan)
         with self._changed:
             self._plan, self._wanted, self._trouble, self._retry_at = plan, wanted, "", 0.0
@@ -216,14 +216,14 @@ class Doors:
     def tidy(self, in_use: Iterable[str]) -> list[str]:
         """Have the annexes closed that no process of the plan needs and none runs at, by their endpoints.
 
-        Return what is to be told of the routers, each text once.
+        Return the news of the routers, each text once.
         """
         found = frozenset(in_use)
         with self._changed:
             if found != self._in_use:
                 self._in_use = found
                 self._changed.notify_all()
-        return [self._said.popleft() for _ in range(len(self._said))]
+        return [self._news.popleft() for _ in range(len(self._news))]
 
     def close(self) -> None:
         """Close every router, the newest first, as far as the bus library does so in time."""
@@ -271,7 +271,7 @@ class Doors:
     def _look_across(self, hung: Hung) -> None:
         if not hung.crossing.broken():
             return
-        self._said.append(
+        self._news.append(
             "a link of the bus had broken and nothing passed over it any more; its router was opened again"
         )
         self._wake()
