@@ -160,7 +160,7 @@ function Notices() {
     <div class="notices" role="status" aria-live="polite">
       <Asked />
       {notices.value.map((one) => (
-        <div key={one.id} class={`notice notice-${one.tone}`}>
+        <div key={one.id} class={`notice notice-${one.tone}`} data-long={one.text.length > 60 || undefined}>
           <Icon name={TONES[one.tone]} /><p>{one.text}</p>
           <Mend code={one.code} about={one.about} onDone={() => dismiss(one.id)} />
           <Button kind="quiet" icon="close" label={t("dialog.close")} onClick={() => dismiss(one.id)} />

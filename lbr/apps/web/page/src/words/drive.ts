@@ -53,7 +53,6 @@ export const drive = {
   "drive.camera": ["Camera", "Kamera"],
   "drive.camera.alt": ["What the robot sees", "Was der Roboter sieht"],
   "drive.camera.off": ["Camera is off", "Kamera ist aus"],
-  "drive.camera.ill": ["The camera does not work", "Die Kamera geht nicht"],
   "drive.camera.wait": ["Waiting for a picture", "Wartet auf ein Bild"],
   "drive.camera.none": ["No camera", "Keine Kamera"],
   "drive.stage": ["Picture", "Bild"],

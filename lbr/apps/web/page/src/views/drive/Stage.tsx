@@ -5,7 +5,6 @@ import { age as ageText } from "../../format";
 import { remember, remembered } from "../../kept";
 import { illness } from "../../lacking";
 import { useStream } from "../../live";
-import { Mend } from "../../mend";
 import type { AttitudeState, CameraState, OdometryState } from "../../messages";
 import { Badge, Button, Choice, Empty, Icon, Segments, type IconName } from "../../parts";
 import { capabilities, command, may, streamOfType } from "../../robot";
@@ -78,7 +77,7 @@ function Camera({ names }: { names: string[] }) {
   const on = state === null || state.message.on;
   return (
     <>
-      {ill ? <div class="drive-nopicture" role="status"><Icon name="camera" /><p>{t("drive.camera.ill")}</p><p class="muted" lang="en">{ill}</p><Mend code="unwell" /></div> : on ? <Shown name={name} /> : <div class="drive-nopicture"><Icon name="camera" /><p>{t("drive.camera.off")}</p><p class="muted">{state?.message.reason}</p></div>}
+      {ill ? <div class="drive-nopicture" role="status"><Icon name="camera" /><p>{t("drive.camera.none")}</p></div> : on ? <Shown name={name} /> : <div class="drive-nopicture"><Icon name="camera" /><p>{t("drive.camera.off")}</p><p class="muted">{state?.message.reason}</p></div>}
       {names.length > 1 && (
         <div class="drive-camera">
           <Choice label={t("drive.camera")} value={name} options={names.map((one) => ({ value: one, text: named(one.replace(PREFIX, "")) }))} onChange={pick} />

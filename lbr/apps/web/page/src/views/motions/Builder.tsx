@@ -58,7 +58,7 @@ export function Builder({ model, motions, player }: { model: BodyModel; motions:
   /** A limb that is pressed has its slider in sight. */
   const choose = (name: string): void => {
     pick(name);
-    if (name) requestAnimationFrame(() => document.querySelector(".motions-number")?.scrollIntoView({ block: "nearest", behavior: "smooth" }));
+    if (name) requestAnimationFrame(() => document.querySelector(".motions-number")?.scrollIntoView({ block: "center", behavior: "smooth" }));
   };
   const capture = (): void => { if (state) append(measured()); };
   const acts: Acts = {
@@ -111,7 +111,7 @@ export function Builder({ model, motions, player }: { model: BodyModel; motions:
       <div class="motions-build-side">
         <Card title={t("motions.motion")} icon="motions">
           <p class="motions-badges">
-            <Badge>{t("motions.frames", { count: now.frames.length })}</Badge><Badge>{number(lasts(now.frames), 1)} s</Badge>
+            <Badge>{now.frames.length === 1 ? t("motions.frames.one") : t("motions.frames", { count: now.frames.length })}</Badge><Badge>{number(lasts(now.frames), 1)} s</Badge>
             {limits.length > 0 && <Badge tone="bad" icon="warn">{t("motions.wrong.limit", { joint: plain(limits[0]!.joint), value: degrees(limits[0]!.value), most: degrees(limits[0]!.most) })}</Badge>}
             {limits.length === 0 && wrong.length > 0 && <Badge tone="warn" icon="speed">{t("motions.wrong.speed", { joint: plain(wrong[0]!.joint) })}</Badge>}
           </p>
