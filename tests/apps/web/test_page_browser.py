@@ -16,7 +16,7 @@ needs.modules("playwright")
 from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright  # noqa: E402
 
 pytestmark = [needs.program("chromium", "chromium")]
-PATIENT_S = 3.0
+PATIENT_S = 10.0
 """How long the robot waits for a page's word where the test is not about that: a busy machine starves browsers."""
 SIZES: dict[str, dict[str, Any]] = {
     "phone": {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True},

@@ -30,7 +30,7 @@ SIZES: dict[str, dict[str, Any]] = {
     "phone": {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True},
     "desk": {"viewport": {"width": 1280, "height": 900}},
 }
-PATIENT_S, SLOWLY_S, LONG_MS = 3.0, 0.15, 20_000
+PATIENT_S, SLOWLY_S, LONG_MS = 10.0, 0.15, 20_000
 VIEWS = {
     "lbr": ["drive", "system"],
     "bioloid": ["joints", "motions", "system"],
