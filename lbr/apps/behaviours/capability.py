@@ -44,7 +44,7 @@ BATTERY_S, DRIVE_S = 3.0, 1.0
 """The age at which a state no longer counts: three periods of the battery, ten of the drive."""
 RUNNING_HZ, IDLE_HZ = 20.0, 5.0
 HELD_UP_S = 3.0
-"""A run ends after so long without a step, whether this process was frozen or the computer asleep."""
+"""The time without a step after which a run ends, whether this process was frozen or the computer asleep."""
 MOST_ASIDE = 8
 MOST_FILES = 8
 """The requests of pages that may wait for a table's check. The robot checks one table a round, so pages cannot overload

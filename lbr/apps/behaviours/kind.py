@@ -44,7 +44,7 @@ class BehaviourSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
 _TABLES = {"name": names(BehaviourTable)}
 _STREAM_DEPTH = 4
-"""The queue of each telemetry input. So many capabilities may publish one kind without hiding each other."""
+"""The queue of each telemetry input: this many capabilities can publish one kind without hiding each other."""
 _ASKED = {
     "move": Wire("drive.command"),
     "turn": Wire("drive.turn"),

@@ -3,7 +3,7 @@
 from math import inf
 
 LOW_FOR_S = 10.0
-"""A longer time than the seconds for which the voltage sags when a motor starts."""
+"""Longer than the voltage sags when a motor starts."""
 ALONE_FOR_S = 10.0
 """The time without a motion or a stop by anybody, after which the robot counts as left alone."""
 

@@ -60,7 +60,7 @@ Draw = Callable[[int], int]
 
 
 class Wait(Struct, frozen=True):
-    """Stand still for so long."""
+    """Stand still for a time."""
 
     seconds: float
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 STATE_EVERY_S = 1.0
 CURRENT_S = 1.0
-"""After so long without a picture a camera makes room for another one."""
+"""The time without a picture of one camera after which another camera's are shown."""
 PREFIX = "camera_"
 INSTALL = "pip install 'lbr[telepresence]'"
 

@@ -41,8 +41,8 @@ class CallWord(Struct, frozen=True, kw_only=True):
 class RingReply(Struct, frozen=True, kw_only=True):
     """The state of a page's call. `answer`: the robot's part of the connection (SDP), once it exists.
 
-    `picture`: why no picture comes; empty: it does. `hears`, `sound`: what the caller gets; `seen`: a display shows the
-    caller.
+    `picture`: why no picture comes; empty: it does. `hears`: the kind of sound that the caller gets;
+    `sound`: the same in words. `seen`: a display shows the caller.
     """
 
     accepted: bool
@@ -60,8 +60,8 @@ class RingReply(Struct, frozen=True, kw_only=True):
 class CallState(Struct, frozen=True, kw_only=True):
     """The caller and the call; `by_webrtc` pages get pictures by WebRTC, at most `most`, displays not counted.
 
-    `picture`: why no picture comes; empty: `camera` sends one. `hears`, `sound`: what the caller gets. `lacks`: why no
-    call is possible; `reason`: how the last one ended.
+    `picture`: why no picture comes; empty: `camera` sends one. `hears`: the kind of sound that the caller
+    gets; `sound`: the same in words. `lacks`: why no call is possible; `reason`: how the last one ended.
     """
 
     phase: CallPhase = "idle"

@@ -42,7 +42,7 @@ RESTED_S = 1.0
 """The silence after which published motion begins anew. A network's delay is not a release, so it is longer than a
 wireless network is usually silent."""
 LOST_MS = 1500
-"""Data without acknowledgement for so long ends the connection: the other machine, or its cable, is gone."""
+"""The connection ends when data stays unacknowledged this long: the other machine, or its cable, is gone."""
 ALIVE_S = 0.25
 LAST_MESSAGES_S = 0.2
 NOTHING_MOVES = 1e-6

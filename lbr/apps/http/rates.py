@@ -6,7 +6,7 @@ MOST_KNOWN = 1024
 
 
 class Bucket:
-    """A token bucket: so many a second, and `at_once` by default a quarter of a second's worth."""
+    """A token bucket: `rate_hz` tokens a second; it holds `at_once`, by default a quarter second's but at least one."""
 
     def __init__(self, rate_hz: float, now: float, at_once: float = 0.0) -> None:
         self._rate_hz = rate_hz

@@ -27,7 +27,7 @@ from lbr.messages.system import Event
 Arguments = Mapping[str, Any]
 SAY_S = 5.0
 MOTIONS, MOTIONS_S = 20, 10.0
-"""The most motions to begin in so many seconds; stops are not counted."""
+"""The most motions that may begin within a time; stops are not counted."""
 KNOWN_S = 5.0
 PLAN_S, MOST_PLANS = 60.0, 8
 LONGEST_TEXT, LONGEST_EVENT = 600, 500

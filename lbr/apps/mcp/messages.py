@@ -28,7 +28,7 @@ AgentName = Annotated[str, Meta(pattern=r"^[A-Za-z0-9_.-]{1,30}$(?!\n)")]
 
 
 class Rules(Struct, frozen=True, kw_only=True):
-    """The rules for agents. `ask`: before what a person is asked: an agent's first motion (`first`), a humanoid's
+    """The rules for agents. `ask`: what needs a person's consent: an agent's first motion (`first`), a humanoid's
     (`play`), more than `fast_power` (`fast`).
     """
 

@@ -50,8 +50,8 @@ class MqttSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Settings of a row of kind `mqtt`.
 
     TLS unless the broker is on this machine, or `clear_text`. `ca`: the broker's authority, if the system does not know
-    it; `certificate`, `key`: the robot's own. `token`: its role is that of all who ask for `words`; without one only a
-    stop is done. `topic`: the beginning of all topics; empty: `lbr/` and the robot's name.
+    it; `certificate`, `key`: the robot's own. `token`: whoever sends `words` has its role; without one only a stop
+    is done. `topic`: the beginning of all topics; empty: `lbr/` and the robot's name.
     """
 
     host: Annotated[str, Meta(max_length=253, description="the broker; empty: there is none")] = ""

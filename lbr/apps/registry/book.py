@@ -11,7 +11,7 @@ from lbr.messages.units import Name
 MOST_ROBOTS = 1000
 KEPT_S = 24 * 3600.0
 SILENT = 3.0
-"""A robot that misses so many of its own periods counts as gone."""
+"""The number of its own periods after which a silent robot counts as gone."""
 Address = Annotated[str, Meta(pattern=r"^https?://[!-~]{1,200}$(?!\n)")]
 Endpoint = Annotated[str, Meta(pattern=r"^(tls|tcp)/[A-Za-z0-9.:\[\]_-]{1,200}$(?!\n)")]
 

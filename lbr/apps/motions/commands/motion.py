@@ -150,8 +150,9 @@ def import_(
 def stable(names: tuple[str, ...], robot: str | None, dry_run: bool, database: Path | None, as_json: bool) -> int:
     """Find in which key frames of the motions NAMES, or of all, the simulated body stands, and write that down.
 
-    A robot that is stopped on its way goes on to the nearest of them. A controller's motions have no frames here: for
-    these, a person sets in their last row of motion_step whether the robot may go straight to their end.
+    A robot that is stopped on its way goes on to the nearest of them. A motion stored
+    in the controller has no frames here. For it a person sets, in its last row of motion_step, whether the robot may
+    go straight to its end.
     """
     from lbr.apps.motions.commands import standing as motion_standing  # noqa: PLC0415 - the engine is for those who ask for it
 

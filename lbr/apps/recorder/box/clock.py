@@ -35,7 +35,7 @@ class Clock:
 
     @property
     def is_steady(self) -> bool:
-        """True if the wall clock has had no jump for so long that ages may be judged by it."""
+        """True if the wall clock's last jump is long enough ago that ages can be judged by it."""
         return self.now_ns - self._since_ns > STEADY_S * 1e9
 
     def sent_ns(self, boot: str, mono_ns: int) -> int:

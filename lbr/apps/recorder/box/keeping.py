@@ -54,7 +54,7 @@ class Keeping:
         return self.incident(event.kind, event.subject, event.text, now, wall_ns)
 
     def incident(self, kind: str, subject: str, text: str, now: float, wall_ns: int) -> Keep | None:
-        """Return what to keep because of an incident; None if there were too many of its sort."""
+        """Return what to keep because of an incident; None if there were too many of its kind."""
         key = kind, subject
         current = self._now.get(key)
         if current is not None and now < current.until + self._before_s:

@@ -183,7 +183,7 @@ class _Body(ReadDataStream):
         super().__init__(BytesIO(body))
 
     def read(self, length: int) -> bytes:
-        """Return exactly so many bytes."""
+        """Return exactly `length` bytes."""
         data = super().read(length)
         if len(data) != length:
             raise EndOfFile

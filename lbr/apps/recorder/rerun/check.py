@@ -41,7 +41,7 @@ LATE_S = 0.5
 """The lateness of a command beyond which the window of comparison would be so wide that nothing differs."""
 EXECUTIVE = "executive"
 ONE_IN = 50
-"""Of so many samples one may differ: a pulse of a turn's last, creeping steps."""
+"""One sample in this many may differ: a pulse of a turn's last, creeping steps."""
 RESULT = "/result"
 ESTOP, RESET = "estop", "estop_reset"
 

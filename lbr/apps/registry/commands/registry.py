@@ -58,7 +58,7 @@ def add(name: str) -> int:
 @command.command("revoke")
 @click.argument("name")
 def revoke(name: str) -> int:
-    """Have a token count for nothing from now on; its robot is not listed any more."""
+    """Revoke a token; its robot is not listed any more."""
     Guests().revoke(name)
     click.echo(f"the token '{name}' counts for nothing now")
     return 0
@@ -67,7 +67,7 @@ def revoke(name: str) -> int:
 @command.command("tokens")
 @json_option
 def list_tokens(as_json: bool) -> int:
-    """List whose tokens there are; the tokens themselves are nowhere."""
+    """List the names of the tokens; the tokens themselves are not stored."""
     tokens_since = Guests().names()
     if as_json:
         print_json([{"name": name, "since": since} for name, since in tokens_since.items()])
