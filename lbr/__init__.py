@@ -1,1 +1,1 @@
-"""A robot runtime: rows become processes, Zenoh is the wire, the console drives."""
+"""A robot runtime: rows become processes, Zenoh is the bus, the console drives."""

@@ -16,7 +16,7 @@ FAILED, BAD_INPUT, ALREADY_RUNNING, INTERRUPTED = 1, 2, 3, 130
 
 _NO_COMMAND = re.compile(r"No such command '(.*)'\.", re.DOTALL)
 NO_THREAD = "can't start new thread"
-NO_ARGUMENTS = getattr(click.exceptions, "NoArgsIsHelpError", ())  # before click 8.2 it prints the help by itself
+NO_ARGUMENTS = getattr(click.exceptions, "NoArgsIsHelpError", ())  # before click 8.2, it prints the help by itself
 HELP = """Run a robot that is rows in a database, and talk to it.
 
 \b
@@ -35,17 +35,17 @@ Completion: eval "$(lbr completion bash)"    (or zsh; in fish: lbr completion fi
 
 
 class Commands(click.Group):
-    """Knows what components bring by name and one line of help; a command's module loads when it is called."""
+    """Lists commands of components by name and one line of help; a command's module loads when it is called."""
 
     others = True
-    """Commands of other packages are among them; the reference leaves them out."""
+    """True: commands of other packages are included, which the reference leaves out."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
         """Return the names, lbr's own first."""
         return [one.name for one in self._known()]
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Import a command; PluginError says why one cannot be used."""
+        """Import a command; raise PluginError with the reason if it is unusable."""
         plugin = plugins.find("commands", cmd_name)
         if plugin is None:
             return None
@@ -76,7 +76,7 @@ class Commands(click.Group):
                     formatter.write_text(why)
 
     def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
-        """Return what a word may become, without importing any command."""
+        """Return the possible continuations of a word, without importing any command."""
         found = [CompletionItem(one.name, help=one.help) for one in self._known() if one.name.startswith(incomplete)]
         return found + click.Command.shell_complete(self, ctx, incomplete)
 
@@ -96,14 +96,14 @@ def _version(ctx: click.Context, _parameter: click.Parameter, wanted: bool) -> N
 @click.group(cls=Commands, help=HELP, context_settings={"help_option_names": ["-h", "--help"]})
 @click.option("--version", is_flag=True, expose_value=False, is_eager=True, callback=_version, help="Show the version.")
 def cli() -> None:
-    """Take the options before the command."""
+    """Accept the options before the command."""
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run `lbr`; return its exit code."""
     try:
         code = _run(arguments)
-    except KeyboardInterrupt:  # while what went wrong was told
+    except KeyboardInterrupt:  # while an error was being reported
         code = INTERRUPTED
     if code == INTERRUPTED:
         surroundings.drop_output()
@@ -152,9 +152,9 @@ def _explained(err: click.ClickException) -> str:
 
 
 def _meant(err: click.UsageError, context: click.Context) -> str:
-    """Return what is wrong, and which command was meant, where one was mistyped."""
+    """Return the fault, with the command that was probably meant if one was mistyped."""
     text = err.format_message()
-    typed = _NO_COMMAND.fullmatch(text)  # newer versions of click know those that are loaded
+    typed = _NO_COMMAND.fullmatch(text)  # newer versions of click suggest the loaded commands themselves
     if typed is None or not isinstance(context.command, click.Group):
         return text
     if close := near(typed[1], context.command.list_commands(context)):
@@ -170,7 +170,7 @@ def code_of(err: LbrError) -> int:
 
 
 def _complain(text: str, code: int) -> int:
-    """Print lines as people may read them: what was typed may hold characters that move a terminal's cursor."""
+    """Print lines without control characters: typed text may contain some that move a terminal's cursor."""
     try:
         for line in text.splitlines() or ["failed"]:
             shown = "".join(c if c.isprintable() else "?" for c in line.expandtabs())

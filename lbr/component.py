@@ -1,12 +1,12 @@
-"""The contents of a package for lbr: the object that its entry point in the group `lbr.components` names.
+"""The contents of a package for lbr: the object behind its entry point in the group `lbr.components`.
 
     [project.entry-points."lbr.components"]
     my_arm = "my_arm:COMPONENT"                                         # in its pyproject.toml
 
     COMPONENT = Component(kinds={"my_arm": "my_arm.kind:KIND"}, …)      # in my_arm/__init__.py
 
-Every process may import the object's module. The targets of its strings are imported where they are used, so that module imports
-nothing else.
+Every process may import the object's module, so that imports nothing else. The targets of its strings are imported only
+where they are used.
 """
 
 from collections.abc import Mapping
@@ -35,16 +35,15 @@ class Component:
     """Its contents by name, each as `module:attribute`.
 
     - `kinds`: a `Kind` of capability, by its name.
-    - `commands`: commands of the command line, by what is typed.
+    - `commands`: commands of the command line, by name.
     - `faces`: faces of the HTTP server, by name; `ports` is the `FacePorts` of the face of that name.
     - `robots`: a `Robot`, by its name.
     - `twins`: a `DeviceTwin`, by the type that device rows name.
-    - `checks`: what `lbr doctor` looks at for each robot, by name: a function of the robot's name and its capability
+    - `checks`: checks of `lbr doctor` for each robot, by name: a function of the robot's name and its capability
       rows that yields `lbr.commands.finding.Finding`.
-    - `messages`: modules of message types that other components may import; `public`: modules and packages of the same
-      sort that are no messages.
-    - `needs`: components of which some of its parts import that. What needs one that is not there does not load, and
-      the sentence that tells so names it.
+    - `messages`: modules of message types that other components may import; `public`: other such modules and packages.
+    - `needs`: components that some of its parts import. A part does not load without them, and its error names the
+      missing one.
     """
 
     kinds: Mapping[str, str] = field(default_factory=dict)

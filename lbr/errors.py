@@ -1,4 +1,4 @@
-"""The errors people handle. Each says what is wrong, where, and what to do; the rest are bugs and crash loudly."""
+"""The errors people handle. Each has the fault, its place, and the cure; all others are bugs and crash loudly."""
 
 from contextlib import suppress
 from typing import TYPE_CHECKING
@@ -10,11 +10,11 @@ LONGEST_TEXT = 300
 
 
 class LbrError(Exception):
-    """Any error lbr raises for people to read."""
+    """Any error of lbr with a text for people."""
 
 
 class DeviceError(LbrError, OSError):
-    """A device is missing, busy, wrong or silent; its capability goes degraded and tries again."""
+    """A device is missing, busy, wrong or silent; its capability is degraded and tries again."""
 
     def __init__(self, text: str = "", code: "Code" = "unreachable") -> None:
         super().__init__(text)
@@ -22,7 +22,7 @@ class DeviceError(LbrError, OSError):
 
 
 class RowError(LbrError, ValueError):
-    """Rows that cannot become a robot; `problems` holds every one, each naming table, row and column."""
+    """Rows that cannot become a robot; `problems` has all of them, each with table, row and column."""
 
     def __init__(self, problems: tuple[str, ...]) -> None:
         super().__init__("\n".join(problems))
@@ -30,7 +30,7 @@ class RowError(LbrError, ValueError):
 
 
 class InputError(LbrError, ValueError):
-    """A line, option or file from a person that cannot be understood; the text says what is allowed, `code` why not."""
+    """A line, option or file from a person that is invalid; the text has the permitted values, `code` the reason."""
 
     def __init__(self, text: str, code: "Code" = "bad_value") -> None:
         super().__init__(text)
@@ -38,7 +38,7 @@ class InputError(LbrError, ValueError):
 
 
 class MalformedError(LbrError, ValueError):
-    """Bytes that are no message of the type they should be; one line says why."""
+    """Bytes that are not a message of the expected type, with the reason in one line."""
 
 
 class BusError(LbrError, ConnectionError):
@@ -50,7 +50,7 @@ class AlreadyRunningError(LbrError, RuntimeError):
 
 
 def told(err: BaseException) -> str:
-    """Return an exception as one short line; its `__str__` may be another's."""
+    """Return an exception as one short line; its `__str__` may be foreign code."""
     text = ""
     with suppress(Exception):
         text = "".join(c if c.isprintable() else "?" for c in " ".join(str(err).split()))

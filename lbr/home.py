@@ -1,4 +1,4 @@
-"""`$LBR_HOME` (default `~/.lbr`): database, logs, sockets and what says which robots run here."""
+"""`$LBR_HOME` (default `~/.lbr`): database, logs, sockets and the records of running robots."""
 
 import fcntl
 import os
@@ -28,10 +28,10 @@ SOCKET_PATH_LIMIT = 100  # sun_path has 108 bytes, and the bus library adds a su
 
 
 class Running(Struct, frozen=True, kw_only=True):
-    """A robot that runs on this machine, and how to reach it.
+    """A robot that runs on this machine, and its endpoints.
 
-    `endpoints` let every local user in to look and operate; at `core`, `password` lets in users that may read this
-    home, with all rights. `lan` is where other machines come in.
+    At `endpoints`, every local user may look and operate. At `core`, users who may read this home have all rights, by
+    `password`. `lan` are the endpoints for other machines.
     """
 
     robot: str
@@ -45,27 +45,26 @@ class Running(Struct, frozen=True, kw_only=True):
 
 
 def home() -> Path:
-    """Return the home, created for its owner alone if need be; whose it is, is not looked at."""
+    """Return the home, created for its owner alone if need be, without a check of its owner."""
     path = _place()
     return path if _is_lived_in(path) else _made(path)
 
 
 def live_in() -> None:
-    """Create this home no more from now on: a robot runs from it, and is not found in another that is called the
-    same."""
+    """Never create this home again: a robot runs from it, which a new one of the same name would hide."""
     global _lived_in  # noqa: PLW0603 - of a process, as LBR_HOME is
     _lived_in = _place()
 
 
 def _is_lived_in(path: Path) -> bool:
-    """Return whether a robot runs from there which this process is, or belongs to."""
+    """Return whether a robot runs from there that contains this process."""
     return path == _lived_in or RUN_VARIABLE in os.environ
 
 
 def _place() -> Path:
     try:
         return _spoken(Path(os.environ.get("LBR_HOME") or Path.home() / ".lbr").absolute())
-    except RuntimeError:  # neither HOME nor an account says where
+    except RuntimeError:  # there is neither HOME nor an account with a home
         raise InputError("it is not known where your home directory is: set HOME, or LBR_HOME") from None
     except FileNotFoundError:  # LBR_HOME is relative
         raise InputError(
@@ -74,8 +73,7 @@ def _place() -> Path:
 
 
 def _spoken(path: Path) -> Path:
-    """Return a folder that the bus and devices can be told of: in an endpoint, what follows `#` or `?` is not a
-    path."""
+    """Return a folder whose path is valid for the bus and devices: in an endpoint, `#` or `?` ends the path."""
     wrong = next((one for one in str(path) if one in "#?\x7f" or one < " " or "\ud800" <= one <= "\udfff"), "")
     if wrong:
         raise InputError(
@@ -95,12 +93,12 @@ def directory(name: str) -> Path:
 
 
 def default_database() -> Path:
-    """Return where the database is unless told otherwise."""
+    """Return the default path of the database."""
     return home() / "robot.db"
 
 
 def socket_path(robot: str, part: str = "") -> Path:
-    """Return a robot's socket: in the home, or in a private temporary directory where the home's path is too long."""
+    """Return a robot's socket: in the home, or in a private temporary directory if the home's path is too long."""
     path = directory("run") / f"{robot}{part}.sock"
     if len(str(path)) <= SOCKET_PATH_LIMIT:
         return path
@@ -112,7 +110,7 @@ def socket_path(robot: str, part: str = "") -> Path:
 def credentials(make: Callable[[], Iterable[bytes]], *names: str) -> tuple[Path, ...]:
     """Return files below `credentials/`; if one is missing all are made, by one process at a time, for the owner alone.
 
-    InputError says which of them others could have read or changed, or has nothing in it.
+    InputError names a file that others could have read or changed, or that is empty.
     """
     folder = directory("credentials")
     paths = tuple(folder / name for name in names)
@@ -129,9 +127,9 @@ def credentials(make: Callable[[], Iterable[bytes]], *names: str) -> tuple[Path,
 
 
 def given_credentials(*names: str) -> tuple[Path, ...]:
-    """Return files that the owner has put below `credentials/`; it may be empty.
+    """Return the files that the owner has put below `credentials/`, or an empty tuple.
 
-    InputError says which is missing beside the others, or could have been read or changed by others.
+    InputError names a file that is missing beside the others, or that others could have read or changed.
     """
     paths = tuple(directory("credentials") / name for name in names)
     there = [path for path in paths if path.exists()]
@@ -142,7 +140,7 @@ def given_credentials(*names: str) -> tuple[Path, ...]:
 
 
 def key_faults(path: Path) -> Iterator[Fault]:
-    """Yield what is wrong with a file below `credentials/`: who could read or change it, and that it is empty."""
+    """Yield the faults of a file below `credentials/`: its readers and writers, and that it is empty."""
     yield from ownership.faults(path, secret=path.suffix != PUBLIC)
     with suppress(OSError):
         if path.stat().st_size == 0:
@@ -150,7 +148,7 @@ def key_faults(path: Path) -> Iterator[Fault]:
 
 
 def write_private(path: Path, content: bytes) -> None:
-    """Write a file as a whole or not at all, readable by the owner alone, and on the disk when this returns."""
+    """Write a file as a whole or not at all, readable by the owner alone, and on the disk on return."""
     new = path.with_name(f"{path.name}.new")
     with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "wb") as file:
         file.write(content)
@@ -177,16 +175,16 @@ def running() -> list[Running]:
 
 
 def begin() -> None:
-    """Show that a start is under way here, of a robot that is not known yet, until that has its lock."""
+    """Show that a start is under way here, of a robot with unknown name, until that has its lock."""
     global _beginning  # noqa: PLW0603 - of a process, as its locks are
     _beginning = os.open(directory("run") / BEGINNING, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
     fcntl.flock(_beginning, fcntl.LOCK_SH)
 
 
 def starting() -> list[str]:
-    """Return the robots whose start is under way here: they hold their lock, and are not to be reached yet.
+    """Return the robots whose start is under way here: they hold their lock, and cannot be reached yet.
 
-    One whose name is not known yet is empty.
+    A name that is not known yet is empty.
     """
     run = _place() / "run"
     if not run.is_dir():
@@ -213,7 +211,7 @@ class RunLock:
         _begun()
 
     def publish(self, record: Running) -> None:
-        """Say how to reach the robot; readable by the owner alone. InputError says why that cannot be."""
+        """Publish how to reach the robot, readable by the owner alone; raise InputError with the reason if it fails."""
         new = self._record.with_suffix(".new")
         try:
             with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "wb") as file:
@@ -249,12 +247,12 @@ def _ours(path: Path) -> Path:
 
 
 def _owner_of_home() -> tuple[int, ...]:
-    """Return the other users that may have written down what runs: root may look at another user's robots."""
+    """Return the other users whose records count: root may look at another user's robots."""
     return (_place().stat().st_uid,) if os.geteuid() == 0 else ()
 
 
 def _locked_within(fd: int, limit_s: float) -> bool:
-    """Take the lock; a process that looks whether a robot runs holds it only for an instant."""
+    """Acquire the lock; a process that checks whether a robot runs holds it only for an instant."""
     end = time.monotonic() + limit_s
     while True:
         try:
@@ -268,7 +266,7 @@ def _locked_within(fd: int, limit_s: float) -> bool:
 
 
 def _is_locked(path: Path, how: int = fcntl.LOCK_SH) -> bool:
-    """Return whether a robot has the lock; two processes that look at the same time share it."""
+    """Return whether a robot holds the lock; two processes that check at the same time share it."""
     try:
         fd = os.open(path, os.O_RDWR | os.O_CLOEXEC)
     except OSError:

@@ -1,4 +1,4 @@
-"""Names: which may have been meant, which is still free, and what a text becomes as one."""
+"""Names: similar ones, free ones, and names made of texts."""
 
 import difflib
 import re
@@ -8,9 +8,9 @@ from itertools import chain, count
 
 MOST_TOLD = 8
 LONGEST = 40
-"""Letters of a row's name."""
+"""In letters of a row's name."""
 _NO_NAME = re.compile(r"[^a-z0-9_]+")
-_LONGEST = 80  # what is typed may be a whole file, and comparing takes the square of its length
+_LONGEST = 80  # typed text may be a whole file, and the comparison takes quadratic time
 
 
 def near(name: str, known: Iterable[str], *, most: int = 1, cutoff: float = 0.6) -> list[str]:
@@ -19,7 +19,7 @@ def near(name: str, known: Iterable[str], *, most: int = 1, cutoff: float = 0.6)
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """Return which of the known names may have been meant, or which there are."""
+    """Return the known names that were probably meant, or all known names."""
     names = sorted(set(known))
     if not names:
         return "there is none"
@@ -30,7 +30,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
 
 def first_free(wanted: str, is_taken: Callable[[str], bool], mark: str = "_") -> str:
-    """Return the name, or where it is taken the first of `name_2`, `name_3`... that is not."""
+    """Return the name, or if it is taken the first free one of `name_2`, `name_3`..."""
     names = chain((wanted,), (f"{wanted}{mark}{number}" for number in count(2)))
     return next(name for name in names if not is_taken(name))
 
@@ -41,8 +41,7 @@ def without_marks(text: str) -> str:
 
 
 def name_from(text: str, otherwise: str) -> str:
-    """Return a row's name that is as much like a text as can be; where no letter is left to begin with, after
-    `otherwise`."""
+    """Return a valid row name that resembles a text; if it has no first letter, with `otherwise` before it."""
     found = _NO_NAME.sub("_", without_marks(text).casefold()).strip("_")
     if not found[:1].isalpha():
         found = f"{otherwise}_{found}"

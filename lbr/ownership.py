@@ -1,8 +1,8 @@
-"""Tells who could change what is at a path: one check for the home, its keys, the database and its logs, and capability
+"""The check for other users who could change a path: for the home, its keys, the database with its logs, capability
 files.
 
-A place is ours if it belongs to us or to root, if no other user may write it, and if that holds for each folder and
-link on the way to it. A folder with the sticky bit may be written by everybody, as long as what we use in it is ours.
+A path is ours if it belongs to us or to root, and no other user may write it. The same must hold for each folder and
+link on the way to it. Everybody may write to a folder with the sticky bit, if the entry that we use in it is ours.
 """
 
 import grp
@@ -18,14 +18,14 @@ from msgspec import Struct
 from lbr.errors import InputError
 
 SIDE_FILES = ("-wal", "-shm", "-journal")
-"""The files of SQLite beside a database, from which it takes changes when it opens it."""
+"""The files of SQLite beside a database, from which it applies changes when it opens it."""
 LINKS_FOLLOWED = 40  # as many as Linux follows
 OTHERS = stat.S_IWGRP | stat.S_IWOTH
 WHOLE_MAP = "0 0 4294967295"
 
 
 class Fault(Struct, frozen=True, kw_only=True):
-    """Why a file or folder is not ours alone: its owner or mode, and the command that mends it."""
+    """The reason why others could change a file or folder: its owner or mode, and the command that mends it."""
 
     path: Path
     text: str
@@ -36,16 +36,16 @@ class Fault(Struct, frozen=True, kw_only=True):
 
 
 class _Step(Struct, frozen=True):
-    """A folder or link on the way to a place, or the place itself."""
+    """A folder or link on the way to a path, or the path itself."""
 
     path: Path
     found: os.stat_result
 
 
 def faults(path: Path, *, secret: bool = False, owners: Iterable[int] = ()) -> tuple[Fault, ...]:
-    """Return what keeps a file or folder from being ours alone; of what is not there, the way to it.
+    """Return the faults of a file or folder that is not ours alone; of a missing one, those of the way to it.
 
-    A secret is not readable for others either. `owners` are users who may own it beside us and root.
+    A secret must not be readable for others either. `owners` are users who may own it besides us and root.
     """
     trusted = {0, os.geteuid(), *owners}
     found: list[Fault] = []
@@ -67,7 +67,7 @@ def faults(path: Path, *, secret: bool = False, owners: Iterable[int] = ()) -> t
 
 
 def database_faults(path: Path) -> tuple[Fault, ...]:
-    """Return what keeps a database from being ours alone: file, way to it, further names, and SQLite's files beside
+    """Return the faults of a database: those of the file, the way to it, its other names, and SQLite's files beside
     it."""
     found = list(faults(path))
     real = Path(os.path.realpath(path))
@@ -79,7 +79,7 @@ def database_faults(path: Path) -> tuple[Fault, ...]:
 
 
 def side_file_faults(path: Path) -> tuple[Fault, ...]:
-    """Return what is wrong with what SQLite would take in with a database; the name is that of its file, no link."""
+    """Return the faults of the files that SQLite opens with a database; `path` must not be a link."""
     found = []
     for name in (path.with_name(path.name + end) for end in SIDE_FILES):
         try:
@@ -102,7 +102,7 @@ def side_file_faults(path: Path) -> tuple[Fault, ...]:
 
 
 def refuse(found: Iterable[Fault]) -> None:
-    """Raise InputError with each fault's sentence, if there is any."""
+    """Raise InputError with the sentence of each fault, if there is any."""
     if told := [str(fault) for fault in found]:
         raise InputError("\n".join(told))
 
@@ -139,7 +139,7 @@ def _may_be_filled_by_others(step: _Step, *, strictly: bool) -> bool:
 
 
 def _way(path: Path) -> Iterator[_Step]:
-    """Yield each folder and link from the root to a path, and what is there; it ends where nothing is."""
+    """Yield each folder and link from the root to a path; it ends before a missing one."""
     at = Path("/")
     ahead = list(reversed(path.absolute().parts[1:]))
     yield _Step(at, at.lstat())
@@ -166,7 +166,7 @@ def _way(path: Path) -> Iterator[_Step]:
 
 
 def _has_further_names(path: Path) -> bool:
-    """Return whether a file has other names than that under which it was built, which goes by itself."""
+    """Return whether a file has other names than its temporary one, which is removed by itself."""
     try:
         if path.lstat().st_nlink < 2:
             return False
@@ -177,7 +177,7 @@ def _has_further_names(path: Path) -> bool:
 
 
 def _has_others(gid: int) -> bool:
-    """Return whether a group has members besides us and root; one that is ours alone shares nothing."""
+    """Return whether a group has members besides us and root; a group of ours alone shares nothing."""
     try:
         members = set(grp.getgrgid(gid).gr_mem) | {one.pw_name for one in pwd.getpwall() if one.pw_gid == gid}
     except KeyError:

@@ -1,10 +1,9 @@
-"""The contents of packages by their components: kinds, commands, faces, ports, robots and twins; and why one cannot
-be used.
+"""The contents of packages by their components: kinds, commands, faces, ports, robots and twins; and their faults.
 
     entry points of `lbr.components` ──► entries() ──► Component ──► find(field, name): Plugin ──► load(): the object
 
-lbr's own keep their names; a name that several other packages claim is none of theirs, until one is uninstalled.
-A name of lbr's own is found without a look at other packages.
+lbr's own keep their names. If several other packages claim a name, none gets it until the others are uninstalled. lbr's
+own names are found without importing other packages.
 """
 
 import contextlib
@@ -39,8 +38,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """An entry point of a component: `value` is `module:attribute`, `package` whose it is, `requires` what that asks
-    for."""
+    """An entry point of a component: `value` is `module:attribute`, `package` its package, which `requires` others."""
 
     name: str
     value: str
@@ -49,12 +47,12 @@ class Entry:
 
     @property
     def ours(self) -> bool:
-        """Return whether it came with lbr."""
+        """Return whether it belongs to lbr."""
         return self.package == CORE
 
     @property
     def label(self) -> str:
-        """Which it is, for people."""
+        """Return its description for people."""
         return f"component '{self.name}' of package '{self.package}'"
 
 
@@ -75,21 +73,21 @@ class Plugin:
 
     @property
     def package(self) -> str:
-        """Return whose it is, as people are told."""
+        """Return its package, for people."""
         return self.entry.package
 
     @property
     def ours(self) -> bool:
-        """Return whether it came with lbr."""
+        """Return whether it belongs to lbr."""
         return self.entry.ours
 
     @property
     def label(self) -> str:
-        """Which it is, for people."""
+        """Return its description for people."""
         return f"'{self.name}' of package '{self.package}' ({self.field} of component '{self.entry.name}')"
 
     def load(self) -> Any:
-        """Import and return the declared object; PluginError says why that cannot be. Its output goes to stderr."""
+        """Import and return the declared object, with its output on stderr; raise PluginError if it fails."""
         if why := self.refusal or contradiction(self.entry.requires):
             raise PluginError(self, why)
         found, err = _imported(self.value, self.entry)
@@ -98,8 +96,8 @@ class Plugin:
         return found
 
     def checked(self, found: object, wanted: type[T], name: str = "name") -> T:
-        """Return what was declared if it is what its field has, and its own field `name` says the name of the
-        component's."""
+        """Return the declared object if it has the type of its field, and its own field `name` has the component's
+        name."""
         if not isinstance(found, wanted):
             raise PluginError(self, f"{self.value} is no {wanted.__name__}(…), but of type {type(found).__name__}")
         if (said := getattr(found, name)) != self.name:
@@ -109,7 +107,7 @@ class Plugin:
 
 
 class PluginError(LbrError):
-    """Something of a package that cannot be used; the text names the package, and `why` is the rest of it."""
+    """A part of a package that is unusable; the text names the package, and `why` is the rest of it."""
 
     def __init__(self, plugin: Plugin, why: str) -> None:
         super().__init__(f"{plugin.label}: {why}")
@@ -117,25 +115,25 @@ class PluginError(LbrError):
 
 
 def find(field: Field, name: str) -> Plugin | None:
-    """Return what has a name in a field, or None; one that several packages claim is there, and does not load."""
+    """Return the plugin of a name in a field, or None; one that several packages claim exists, and does not load."""
     own = next((one for entry in _own() for one in _of(entry, field) if one.name == name), None)
     return own or installed(field).get(name)
 
 
 def own(field: Field) -> tuple[Plugin, ...]:
-    """Return what lbr itself brings in a field, those of `core` first."""
+    """Return lbr's own plugins in a field, those of `core` first."""
     return tuple(one for entry in _own() for one in _of(entry, field))
 
 
 @cache
 def installed(field: Field) -> Mapping[str, Plugin]:
-    """Return what there is in a field, by name; one that several packages claim is there, and does not load."""
+    """Return the plugins in a field, by name; one that several packages claim exists, and does not load."""
     return {one.name: one for one in reversed(every(field))}
 
 
 @cache
 def every(field: Field) -> tuple[Plugin, ...]:
-    """Return all that components have in a field, lbr's own first, those without the name that they claim too."""
+    """Return all plugins in a field, lbr's own first, including those that lack the name that they claim."""
     claims: dict[str, list[Plugin]] = {}
     for one in chain.from_iterable(_of(entry, field) for entry in entries()):
         claims.setdefault(one.name, []).append(one)
@@ -148,12 +146,12 @@ def entries() -> tuple[Entry, ...]:
 
 
 def broken() -> tuple[str, ...]:
-    """Return a sentence for each component that cannot be used: which, why and what to do."""
+    """Return one sentence for each unusable component, with its name, the reason and the cure."""
     return tuple(why for entry in entries() if (why := _component(entry)[1]))
 
 
 def perhaps_broken() -> str:
-    """Return what to add to the sentence that something is not there: the components that may bring it."""
+    """Return the addition to a sentence about a missing part: the unusable components that may bring it."""
     return "".join(f"; it may be of the {why}" for why in broken())
 
 
@@ -171,7 +169,7 @@ def fresh(field: Field, name: str) -> str:
 
 
 def contradiction(requires: tuple[str, ...]) -> str:
-    """Return why a package that requires this does not go with this version of lbr; empty if it does."""
+    """Return why a package with these requirements does not fit this version of lbr; empty if it does."""
     asking = [text for text in requires if text.lower().startswith(CORE)]
     if not asking:
         return ""
@@ -200,14 +198,14 @@ def load(value: str) -> Any:
 
 
 def remembered(judge: Callable[[Plugin], T]) -> Callable[[Plugin], T]:
-    """Have a judgement of a plugin made once, until all is forgotten."""
+    """Cache the judgements of plugins, until `forget`."""
     found = cache(judge)
     _REMEMBERED.append(found.cache_clear)
     return found
 
 
 def forget() -> None:
-    """Look again at what is installed when that is asked next."""
+    """Forget the installed packages, to be read again on the next request."""
     importlib.invalidate_caches()
     for known in (installed, every, _of, _component, _own, _others):
         known.cache_clear()
@@ -220,7 +218,7 @@ def forget() -> None:
 
 @cache
 def _of(entry: Entry, field: Field) -> tuple[Plugin, ...]:
-    """Return what a component has in a field, nothing if it cannot be used."""
+    """Return the plugins of a component in a field, empty if it is unusable."""
     component, _ = _component(entry)
     if component is None:
         return ()
@@ -232,7 +230,7 @@ def _of(entry: Entry, field: Field) -> tuple[Plugin, ...]:
 
 
 def _settled(one: Plugin, claims: list[Plugin]) -> Plugin:
-    """Return a plugin with why it has not its name: lbr's own keep theirs, and several others lose it."""
+    """Return a plugin, with the reason if it does not get its name: lbr's own keep theirs, several others lose it."""
     if one.ours or len(claims) == 1:
         return one
     if claims[0].ours:
@@ -245,7 +243,7 @@ def _settled(one: Plugin, claims: list[Plugin]) -> Plugin:
 
 
 def _lacking(entry: Entry) -> str:
-    """Return which of the components that one needs are not there, as the end of a sentence."""
+    """Return which required components are missing, as the end of a sentence."""
     component, _ = _component(entry)
     there = {one.name for one in entries() if _component(one)[0] is not None}
     lacking = sorted(set(component.needs) - there) if component is not None else []
@@ -254,7 +252,7 @@ def _lacking(entry: Entry) -> str:
 
 @cache
 def _component(entry: Entry) -> tuple[Component | None, str]:
-    """Import a component; return it, or why it cannot be used and what to do."""
+    """Import a component; return it, or the reason why it is unusable, with the cure."""
     found, err = _imported(entry.value, entry)
     why = f"it does not load: {told(err)}" if err is not None else ""
     if not entry.ours and not why:
@@ -266,7 +264,7 @@ def _component(entry: Entry) -> tuple[Component | None, str]:
 
 
 def _faults(found: object) -> Iterator[str]:
-    """Yield what is wrong with the fields of a component of another package."""
+    """Yield the faults in the fields of another package's component."""
     if not isinstance(found, Component):
         yield f"it is no Component(…), but of type {type(found).__name__}"
         return
@@ -289,7 +287,7 @@ def _faults(found: object) -> Iterator[str]:
 
 
 def _imported(value: str, entry: Entry) -> tuple[Any, BaseException | None]:
-    """Import `module:attribute`; return it, or what was raised."""
+    """Import `module:attribute`; return it, or the exception."""
     return (_tried if entry.ours else tried_aside)(partial(load, value))
 
 
@@ -302,8 +300,11 @@ def _tried(load: Callable[[], T]) -> tuple[T | None, BaseException | None]:
 
 
 def tried_aside(load: Callable[[], T]) -> tuple[T | None, BaseException | None]:
-    """Import the code of another on a thread of its own, which lets it set no signals; threads that it starts keep
-    no program from its end, and whatever it raises is its own, as Ctrl-C comes to the main thread alone."""
+    """Import another's code on a thread of its own, which cannot set signal handlers.
+
+    Threads that it starts do not delay the program's end. Any exception is the code's own, as Ctrl-C only reaches the
+    main thread.
+    """
     tried: list[tuple[T | None, BaseException | None]] = []
 
     def run() -> None:
@@ -323,7 +324,7 @@ def tried_aside(load: Callable[[], T]) -> tuple[T | None, BaseException | None]:
 
 @cache
 def _own() -> tuple[Entry, ...]:
-    """Return lbr's own; those of a checkout are what its project says now, not when it was installed."""
+    """Return lbr's own entry points; in a checkout, those of its project file, not of its installation."""
     points = _of_checkout()
     if points is None:
         points = dict(chain.from_iterable(_lines(text) for name, _, text in _metadata() if name == CORE))
@@ -346,7 +347,7 @@ def _declared() -> Iterator[Entry]:
 
 
 def _described(folder: Path) -> tuple[str, tuple[str, ...]]:
-    """Return a package as people are told of it, and what it requires, by the head of its metadata."""
+    """Return a package's description for people and its requirements, from its metadata."""
     head: dict[str, list[str]] = {}
     for name in ("METADATA", "PKG-INFO"):
         with contextlib.suppress(OSError), (folder / name).open(encoding="utf-8", errors="replace") as file:
@@ -361,7 +362,7 @@ def _described(folder: Path) -> tuple[str, tuple[str, ...]]:
 def _metadata() -> Iterator[tuple[str, Path, str]]:
     """Yield the packages on the path that have entry points in the group: plain name, folder, and `entry_points.txt`.
 
-    As `importlib.metadata` finds them, the first of a name; its import takes as long as all else that the help needs.
+    The search is that of `importlib.metadata`, whose import takes as long as the rest of the help.
     """
     seen: set[str] = set()
     for place in sys.path:
@@ -393,7 +394,7 @@ def _lines(text: str) -> Iterator[tuple[str, str]]:
 
 
 def _of_checkout() -> Mapping[str, str] | None:
-    """Return the entry points that the project's file in a checkout declares; None in an installation."""
+    """Return the entry points in the project file of a checkout; None in an installation."""
     try:
         project = tomllib.loads(_CHECKOUT.read_text(encoding="utf-8")).get("project", {})
     except (OSError, tomllib.TOMLDecodeError):

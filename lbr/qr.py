@@ -1,4 +1,4 @@
-"""An address as a QR code: to hold a phone's camera at."""
+"""An address as a QR code, to be scanned by a phone."""
 
 import io
 from typing import TYPE_CHECKING
@@ -17,7 +17,7 @@ def drawing(content: str) -> bytes:
 
 
 def characters(content: str) -> str:
-    """Return it for a terminal with light letters on a dark ground: half blocks, and nothing but."""
+    """Return it for a terminal with light letters on a dark ground, as half blocks alone."""
     out = io.StringIO()
     _made(content).terminal(out, border=2, compact=True)
     return out.getvalue().rstrip("\n")

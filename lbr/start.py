@@ -1,4 +1,4 @@
-"""The command `lbr`: from its first moment on standard streams are open, and Ctrl-C, SIGTERM and SIGHUP count."""
+"""The command `lbr`: from its first moment on standard streams are open, and Ctrl-C, SIGTERM and SIGHUP work."""
 
 import _thread
 import sys
@@ -6,7 +6,7 @@ import threading
 
 INTERRUPTED = 130
 AGAIN_S = 0.02
-"""Longer than what lets nothing out takes, so that the same Ctrl-C counts behind it."""
+"""Longer than the section that drops exceptions, so that the same Ctrl-C counts after it."""
 
 
 def main() -> int:
@@ -25,7 +25,7 @@ def main() -> int:
 
 
 def _lost(what: "sys.UnraisableHookArgs") -> None:
-    """Have a Ctrl-C count that came where Python lets no exception out: it looks after its own locks at each import."""
+    """Repeat a Ctrl-C that came where Python drops exceptions: it manages its own locks at each import."""
     if what.exc_type is not KeyboardInterrupt:
         sys.__unraisablehook__(what)
         return

@@ -1,4 +1,4 @@
-"""The surroundings of a process from the shell that starts it: standard streams, and limits. A missing part is one sentence."""
+"""The environment of a process from the shell that starts it: standard streams, and limits. A fault is one sentence."""
 
 import contextlib
 import errno
@@ -14,26 +14,29 @@ from pathlib import Path
 from lbr.errors import InputError
 
 OPEN_FILES = 1024
-"""The limit of a system that sets none of its own."""
+"""The limit of a system that sets no limit of its own."""
 LEAST_OPEN_FILES = 64
 ROBOT_OPEN_FILES = 256
-"""Twice what the largest robot that ships has open, so that others may connect to it."""
+"""Twice the open files of the largest shipped robot, so that others may connect to it."""
 ROBOT_FILE_BYTES = 64 * 1024 * 1024
-"""Logs are cut at 2 MB; a database with its write-ahead log may grow by as much as the audit trail does."""
+"""Logs are cut at 2 MB; a database and its write-ahead log may grow as much as the audit trail."""
 ROBOT_TASKS = 64
-"""The need of the executive and a few processes; the simulated lbr has 138 on two cores."""
+"""Enough for the executive and a few processes; the simulated lbr has 138 on two cores."""
 
 HEAPS = 2
-"""Of glibc, in a process that routes. Each link that breaks leaves holes in the heap of each thread that served it; by
-default there are eight heaps for each processor. 20 times all links broken cost 16 MiB so, and 8 with two heaps."""
+"""Of glibc, in a process that routes.
+
+Each broken link leaves holes in the heap of each thread that served it; by default there are eight heaps for each
+processor. After all links broke 20 times, that took 16 MiB, and 8 with two heaps.
+"""
 M_ARENA_MAX = -8
 """Of `mallopt`, from glibc's malloc.h."""
 
 
 def plug_streams() -> None:
-    """Put something behind standard streams that are closed, so that no file of ours takes their place.
+    """Open closed standard streams, so that no file of ours takes their place.
 
-    Reads there are empty, prints there fail, as they should, and complaints there are lost.
+    Reads are empty, prints fail as they should, and error messages are lost.
     """
     for fd, mode, name in ((0, "r", "stdin"), (1, "w", "stdout"), (2, "w", "stderr")):
         if _is_open(fd):
@@ -46,9 +49,9 @@ def plug_streams() -> None:
 
 
 def note_signals() -> None:
-    """Have Python write each signal down from now on: some C code drops what the handler of one raises.
+    """Have Python note each signal in a file from now on, as some C code drops the exceptions of signal handlers.
 
-    The file has no name. Another handler of signals is given it by `signal.set_wakeup_fd`, and closes it.
+    The file has no name. A later handler gets it from `signal.set_wakeup_fd`, and closes it.
     """
     noted = os.memfd_create("signals")
     os.set_blocking(noted, False)
@@ -56,14 +59,14 @@ def note_signals() -> None:
 
 
 def interrupt_by_signals() -> None:
-    """Have SIGTERM and SIGHUP end what runs as Ctrl-C does; `nohup` has SIGHUP ignored, and that stays so."""
+    """Let SIGTERM and SIGHUP interrupt as Ctrl-C does; a SIGHUP that `nohup` ignores stays ignored."""
     for number in (signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) == signal.SIG_DFL:
             signal.signal(number, signal.default_int_handler)
 
 
 def lift_limits() -> None:
-    """Raise soft limits as far as the hard ones allow; raise InputError if that is too little for any command."""
+    """Raise soft limits as far as the hard ones permit; raise InputError if they are too low for any command."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if 0 <= soft < OPEN_FILES:
         with contextlib.suppress(ValueError, OSError):
@@ -77,16 +80,15 @@ def lift_limits() -> None:
 
 
 def forget_runtime() -> None:
-    """Forget how a shell would have the bus library share out its threads; call it before that is loaded.
+    """Remove the shell's setting for the threads of the bus library; to be called before that is loaded.
 
-    A router that has too few of them collapses, and one that cannot read what is wished does not start.
+    A router with too few threads collapses, and with an invalid setting it does not start.
     """
     os.environ.pop("ZENOH_RUNTIME", None)
 
 
 def bound_heaps() -> None:
-    """Give this process's threads a few heaps to share; call it before there are threads. Only glibc has a say in
-    that."""
+    """Give this process's threads a few common heaps; call it before there are threads. It only affects glibc."""
     import ctypes  # noqa: PLC0415 - light commands need none of it
 
     with contextlib.suppress(AttributeError, OSError):
@@ -94,7 +96,7 @@ def bound_heaps() -> None:
 
 
 def need_room_for_a_robot() -> None:
-    """Raise InputError if limits are too tight for what a robot opens and writes."""
+    """Raise InputError if limits are too low for a robot's files."""
     _need_open_files(ROBOT_OPEN_FILES, "a robot")
     most, _ = resource.getrlimit(resource.RLIMIT_FSIZE)
     if 0 <= most < ROBOT_FILE_BYTES:
@@ -111,7 +113,7 @@ def need_room_for_a_robot() -> None:
 
 
 def need_a_console() -> None:
-    """Raise InputError if there is nothing to read lines from, or no place to print results."""
+    """Raise InputError if there is no input for lines, or no output for results."""
     how = "'lbr run --no-console' runs a robot without one, and a terminal has both"
     if not can_write(1):
         raise InputError(f"standard output is closed, and a console prints there: {how}")
@@ -130,7 +132,7 @@ def can_write(fd: int) -> bool:
 
 
 def explained(err: OSError) -> str:
-    """Return what a person can do about an error of the surroundings; empty if it is another."""
+    """Return the cure of an error of the surroundings; empty for another error."""
     if why := output_failure(probe=True):
         return why
     what = f"{os.fsdecode(err.filename)}: " if isinstance(err.filename, str | bytes) else ""
@@ -163,9 +165,9 @@ def _in_the_way(err: OSError, what: str) -> str:
 
 
 def output_failure(*, probe: bool = False) -> str:
-    """Return why standard output does not take what was printed there, nothing if it does.
+    """Return why standard output rejects what was printed, empty if it does not.
 
-    `probe` also asks where nothing is left to be printed.
+    `probe` also tries it if nothing is left to print.
     """
     try:
         sys.stdout.flush()
@@ -183,7 +185,7 @@ def output_failure(*, probe: bool = False) -> str:
 
 
 def drop_output(fds: Iterable[int] = (1, 2)) -> None:
-    """Lead standard output and error nowhere, so that the interpreter's end waits for no reader."""
+    """Redirect standard output and error to nowhere, so that the interpreter's end waits for no reader."""
     with contextlib.suppress(OSError):
         nowhere = os.open(os.devnull, os.O_WRONLY | os.O_CLOEXEC)
         for fd in fds:
@@ -209,7 +211,7 @@ def _is_open(fd: int) -> bool:
 
 
 def _at_end(fd: int) -> bool:
-    """Return whether reading from a descriptor gives its end at once."""
+    """Return whether reading from a descriptor would give its end at once."""
     try:
         about = os.fstat(fd)
         if stat.S_ISCHR(about.st_mode):

@@ -1,4 +1,4 @@
-"""A program's way to a robot: look, say a line, borrow motion. A program that hangs keeps nothing moving.
+"""A program's connection to a robot: to look, to send lines, to borrow motion. A program that hangs moves nothing.
 
     from lbr import client                    # in the distribution lbr-client: import lbr_client as client
 
@@ -11,8 +11,8 @@
                 motion.keep()                 # ten times a second; what is not kept stops within the life of its lease
                 time.sleep(0.05)
 
-`aio` has the same for a program with an event loop, `notebook` draws in Jupyter; both are imported by their names. A
-program that is killed or frozen has let its motion lapse, and the robot stops by itself.
+`aio` has the same for a program with an event loop, `notebook` draws in Jupyter; both are imported by their names. The
+lease of a program that is killed or frozen expires, and the robot stops by itself.
 """
 
 from lbr.client.finding import Found, find

@@ -1,4 +1,4 @@
-"""The same robot for programs that run in an event loop: what it keeps moving goes on only while that loop runs.
+"""The same robot for programs with an event loop: its motion goes on only while that loop runs.
 
     from lbr.client import aio                # in the distribution lbr-client: from lbr_client import aio
 
@@ -9,7 +9,7 @@
         async for readings in robot.stream("ranges/readings"):
             ...
 
-Leases are renewed by tasks of the loop: a loop that is blocked, frozen or killed renews nothing, and the robot stops.
+Tasks of the loop renew the leases: if the loop is blocked, frozen or killed, the robot stops.
 """
 
 import asyncio
@@ -35,8 +35,7 @@ R = TypeVar("R")
 
 
 class AsyncRobot:
-    """A robot that is connected to, once its `async with` has begun. Its methods are those of `Robot`, to be
-    awaited."""
+    """A robot, connected from the beginning of its `async with`. Its methods are those of `Robot`, to be awaited."""
 
     def __init__(self, open_robot: Callable[[], Robot]) -> None:
         self._open = open_robot
@@ -52,14 +51,14 @@ class AsyncRobot:
 
     @property
     def blocking(self) -> Robot:
-        """Return the robot underneath; what keeps something moving there is not for the thread of a loop."""
+        """Return the underlying robot; the loop's thread must not keep motion on it."""
         if self._robot is None:
             raise InputError("not connected: use it in an `async with`")
         return self._robot
 
     @property
     def name(self) -> str:
-        """Return what the robot is called."""
+        """Return the robot's name."""
         return self.blocking.name
 
     @property
@@ -70,12 +69,12 @@ class AsyncRobot:
         return self._words
 
     async def latest(self, name: str) -> Message:
-        """Return the newest message of a stream, or what else answers on a key; raise BusError if nothing does."""
+        """Return the newest message of a stream, or another answer on a key; raise BusError without an answer."""
         return await _apart(self.blocking.latest, name)
 
     async def ask(self, name: str, **message: Any) -> Message:
-        """Give a command that borrows nothing, and return its reply; raise RefusalError, or BusError if nothing
-        answers."""
+        """Send a command that borrows nothing, and return its reply; raise RefusalError, or BusError without an
+        answer."""
         return await _apart(self.blocking.ask, name, **message)
 
     async def stream(self, name: str, *, within_s: float = 2.0) -> AsyncGenerator[Message, None]:
@@ -97,9 +96,9 @@ class AsyncRobot:
             return await anext(found)
 
     async def say(self, line: str, *, hold_s: float = HELD_S) -> Said:
-        """Say a console line and return when it is done; motion without bounds is held for `hold_s`, then stopped.
+        """Send a console line and return when it is done; unbounded motion is held for `hold_s`, then stopped.
 
-        Raise RefusalError if it is refused, or ends otherwise than it was meant to. Cancelled, it stops what it moves.
+        Raise RefusalError if it is refused, or does not end as planned. If it is cancelled, its motion stops.
         """
         robot = self.blocking
         result = _apart(robot.say_kept, line, hold_s=hold_s, beat=lambda: None)  # the loop beats
@@ -114,7 +113,7 @@ class AsyncRobot:
         return result.result()
 
     def hold(self, name: str, *, at_most_s: float = AT_MOST_S, **message: Any) -> "AsyncMotion":
-        """Return a motion for an `async with`: kept by a task meanwhile, for `at_most_s`, and released at the end."""
+        """Return a motion for an `async with`: a task keeps it, for `at_most_s`, and it is released at the end."""
         return AsyncMotion(lambda: self.blocking.borrow(name, **message), at_most_s)
 
     def drive(self, power: float, angle_deg: float = 0.0, *, at_most_s: float = AT_MOST_S) -> "AsyncMotion":
@@ -141,14 +140,14 @@ class AsyncRobot:
         await _apart(self.blocking.estop, reason)
 
     async def reset(self) -> None:
-        """Release the emergency stop; nothing moves by that."""
+        """Release the emergency stop, without any motion."""
         await _apart(self.blocking.reset)
 
     async def _payloads(self, name: str, within_s: float) -> AsyncGenerator[bytes, None]:
         robot, loop, came = self.blocking, asyncio.get_running_loop(), asyncio.Event()
 
         def wake() -> None:
-            with suppress(RuntimeError):  # the loop is closed: nothing reads on
+            with suppress(RuntimeError):  # the loop is closed: nobody reads on
                 loop.call_soon_threadsafe(came.set)
 
         subscription = wire.Subscription(robot.session, robot.key(name), wake=wake)
@@ -166,7 +165,7 @@ class AsyncRobot:
 
 
 class AsyncMotion:
-    """Motion that goes on within an `async with`, for `at_most_s` at most, while its event loop runs; then released."""
+    """Motion within an `async with`, for `at_most_s` at most, while its event loop runs; then it is released."""
 
     def __init__(self, begin: Callable[[], Motion], at_most_s: float) -> None:
         self._begin = begin
@@ -190,17 +189,17 @@ class AsyncMotion:
 
     @property
     def moving(self) -> bool:
-        """Return whether it still goes on."""
+        """Return whether the motion still goes on."""
         return self._task is not None and not self._task.done()
 
     def change(self, **change: Any) -> None:
-        """Go on with these fields changed; raise RefusalError if it goes on no longer."""
+        """Change these fields of the motion; raise RefusalError if it has ended."""
         if self._motion is None:
             raise InputError("this motion has not begun: it does within its `async with`")
         self._motion.keep(**change)
 
     async def wait(self) -> None:
-        """Wait for its end; raise RefusalError if it is not the end that it was to have."""
+        """Wait for its end; raise RefusalError if it does not end as planned."""
         if self._task is None:
             raise InputError("this motion has not begun: it does within its `async with`")
         await asyncio.wait([self._task])
@@ -222,12 +221,12 @@ def connect(
     name: str = "",
     role: Role = "admin",
 ) -> AsyncRobot:
-    """Return the robot that `lbr.client.connect` would, for an `async with`, which connects."""
+    """Return the robot of `lbr.client.connect`, for an `async with`, which connects."""
     return AsyncRobot(lambda: connect_blocking(robot, at=at, token_file=token_file, name=name, role=role))
 
 
 def _apart(call: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> asyncio.Future[R]:
-    """Run what blocks in a thread of its own: a pool could be full when a stop is to be said."""
+    """Run a blocking call in a thread of its own: a pool could be full when a stop has to be sent."""
     loop = asyncio.get_running_loop()
     future: asyncio.Future[R] = loop.create_future()
 
@@ -245,7 +244,7 @@ def _apart(call: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> asyncio.F
             result = call(*args, **kwargs)
         except BaseException as err:  # noqa: BLE001 - it belongs to who awaits it
             error = err
-        with suppress(RuntimeError):  # the loop is closed: nothing awaits it
+        with suppress(RuntimeError):  # the loop is closed: nobody awaits it
             loop.call_soon_threadsafe(settle, result, error)
 
     threading.Thread(target=run, name="lbr-client", daemon=True).start()

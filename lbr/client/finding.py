@@ -13,7 +13,7 @@ KIND = "_lbr._tcp.local."
 
 
 class Found(NamedTuple):
-    """A robot: `host` is empty on this machine; `door` is where programs come in from elsewhere, `page` for
+    """A robot: `host` is empty on this machine; `door` is its endpoint for programs elsewhere, `page` that for
     browsers."""
 
     robot: str
@@ -29,8 +29,7 @@ class Found(NamedTuple):
 def find(*, within_s: float = 2.0) -> list[Found]:
     """Return the robots that run here and, where the package `zeroconf` is installed, those of the network.
 
-    A robot tells the network of itself once its page is open to it (`web`), and of its door once that has a row
-    (`lan`).
+    A robot announces itself in the network once its page is open to it (`web`), and its door if that has a row (`lan`).
     """
     local = [Found(one.robot) for one in home.running()]
     return local + _of_network(within_s)
@@ -48,7 +47,7 @@ def _of_network(within_s: float) -> list[Found]:
 
     try:
         network = Zeroconf()
-    except OSError:  # no network at all
+    except OSError:  # there is no network
         return []
     try:
         ServiceBrowser(network, KIND, handlers=[hear])
@@ -68,10 +67,9 @@ def _interfaces() -> list[IPv4Interface | IPv6Interface]:
 
 
 def near(addresses: list[str], interfaces: Sequence[IPv4Interface | IPv6Interface]) -> str:
-    """Return the address at which a machine is reached: the first that is in a network of ours, and not our own; else
-    the first.
+    """Return a reachable address of a machine: the first in a network of ours, and not our own; otherwise the first.
 
-    A machine that is in several networks tells all its addresses in each of them.
+    A machine in several networks announces all its addresses in each of them.
     """
     own = {interface.ip for interface in interfaces}
     nearby = (

@@ -19,19 +19,19 @@ from lbr.messages.drive import GoalResult
 from lbr.messages.unreadable import UNREADABLE
 
 Message = dict[str, Any]
-"""A message as JSON has it: the fields of its schema (`lbr topic`, docs/reference)."""
+"""A message as JSON: the fields of its schema (`lbr topic`, docs/reference)."""
 
 POLL_S = 0.005
 RESULT_S = 0.5
 KEEP_S = 0.02
-"""The pace at which the keeper of a motion looks at it; a lease is renewed each 0.1 s."""
+"""The interval at which a thread checks a kept motion; a lease is renewed each 0.1 s."""
 AT_MOST_S, LONGEST_S = 5.0, 30.0
 RELEASED = "the program released it"
 WHAT_THERE_IS = "'lbr topic list' names what there is"
 
 
 class RefusalError(LbrError):
-    """The robot refuses, or ends the motion: `code` is one of docs/reference/codes.md, the text is for people."""
+    """The robot refuses or ends the motion: `code` is one of docs/reference/codes.md, the text is for people."""
 
     def __init__(self, code: str, text: str) -> None:
         super().__init__(text)
@@ -39,8 +39,7 @@ class RefusalError(LbrError):
 
 
 def of_numbers(message: Message) -> Message:
-    """Return fields of a message as they are; InputError names one that is NaN or infinite, which JSON has no word
-    for."""
+    """Return fields unchanged; raise InputError for NaN or infinity, which JSON cannot hold."""
     for field, value in message.items():
         if isinstance(value, float) and not math.isfinite(value):
             raise InputError(f"{field}={value} is no number that can be sent")
@@ -48,24 +47,24 @@ def of_numbers(message: Message) -> Message:
 
 
 class Lender(Protocol):
-    """The way over which a motion is borrowed: a connected robot."""
+    """The connection over which a motion is borrowed: a connected robot."""
 
     source: str
 
     @property
     def why_unanswered(self) -> str:
-        """Return why a command that is there may not answer us; empty where nothing keeps us from it."""
+        """Return why an existing command may not answer us; empty if nothing prevents it."""
 
     @property
     def session(self) -> Session:
         """Our session of the bus."""
 
     def key(self, name: str) -> str:
-        """Return the whole key of a command."""
+        """Return the complete key of a command."""
 
 
 class Motion:
-    """Motion that is borrowed: `keep` it ten times a second; a `with` releases it at its end."""
+    """Borrowed motion: call `keep` ten times a second; a `with` releases it at its end."""
 
     def __init__(self, robot: Lender, key: str, first: Message) -> None:
         self.message = of_numbers(first)
@@ -97,12 +96,12 @@ class Motion:
 
     @property
     def done(self) -> bool:
-        """Return whether what it was to do is done: the angle, the distance, the key frames."""
+        """Return whether its goal is reached: the angle, the distance, the key frames."""
         self._read_results()
         return self._client.good
 
     def keep(self, **change: Any) -> bool:
-        """Go on, with fields changed if any; False once it is done. Raise RefusalError when it goes on no longer."""
+        """Go on, with changed fields if any; return False once it is done. Raise RefusalError if it has ended."""
         self.message.update(of_numbers(change))
         self._read_results()
         if self._client.ended is None:
@@ -112,12 +111,12 @@ class Motion:
         return not self._client.good
 
     def wait(self) -> None:
-        """Keep it until it is done; raise RefusalError if it ends otherwise."""
+        """Keep it until it is done; raise RefusalError if it does not end as planned."""
         while self.keep():
             time.sleep(POLL_S)
 
     def release(self) -> None:
-        """Stop it, if it is still ours; it is not in a process that was forked since."""
+        """Stop it, if it is still ours; do nothing in a forked process."""
         if not self._ours():
             return
         asked = self._client.release(RELEASED)
@@ -143,8 +142,8 @@ class Motion:
 class KeptMotion:
     """Motion that goes on within a `with`, for `at_most_s` at most; then it is released.
 
-    A thread keeps it, so that the program may wait or compute meanwhile. It is a thread of this process: a program that
-    is killed, frozen, or held up in C code keeps nothing. One that only waits for too long is bounded by `at_most_s`.
+    A thread keeps it, so that the program may wait or compute meanwhile. It ends with this process: a program that is
+    killed, frozen, or blocked in C code keeps nothing. `at_most_s` bounds one that waits for too long.
     """
 
     def __init__(self, begin: Callable[[], Motion], at_most_s: float) -> None:
@@ -169,18 +168,18 @@ class KeptMotion:
 
     @property
     def moving(self) -> bool:
-        """Return whether it still goes on."""
+        """Return whether the motion still goes on."""
         return self._thread.is_alive() and not self._over.is_set()
 
     def change(self, **change: Any) -> None:
-        """Go on with these fields changed; raise RefusalError if it goes on no longer."""
+        """Change these fields of the motion; raise RefusalError if it has ended."""
         if self._motion is None:
             raise InputError("this motion has not begun: it does within its `with`")
         with self._lock:
             self._motion.keep(**change)
 
     def wait(self, timeout_s: float | None = None) -> bool:
-        """Wait for its end; say whether it has come. Raise RefusalError if it is not the end that it was to have."""
+        """Wait for its end; return whether it has come. Raise RefusalError if it does not end as planned."""
         self._thread.join(timeout_s)
         if self.lost is not None:
             raise self.lost
@@ -196,7 +195,7 @@ class KeptMotion:
         except LbrError as error:
             self.lost = error
         finally:
-            with self._lock, suppress(BusError):  # the robot was disconnected from meanwhile: it lapses
+            with self._lock, suppress(BusError):  # the robot was disconnected meanwhile: the lease expires
                 self._motion.release()
 
     def _goes_on(self, motion: Motion) -> bool:
@@ -205,7 +204,7 @@ class KeptMotion:
 
 
 def bounded(at_most_s: float) -> float:
-    """Return for how long something is kept moving; InputError if that is no positive number of seconds."""
+    """Return the time for which motion is kept; raise InputError unless it is a positive number of seconds."""
     if not (math.isfinite(at_most_s) and at_most_s > 0):
         raise InputError(f"at_most_s={at_most_s!r} is no number of seconds above 0")
     return at_most_s

@@ -1,13 +1,13 @@
-"""Cameras, numbers and the way of a robot in a notebook, drawn live in one place of its output.
+"""Cameras, numbers and the path of a robot in a notebook, drawn live in one place of its output.
 
     from lbr.client import notebook           # in the distribution lbr-client: from lbr_client import notebook
 
     with client.connect() as robot, robot.drive(0.1, at_most_s=10):
         notebook.show(robot, "camera_front", for_s=3)     # the newest picture, as they come
         notebook.plot(robot, "drive/state.power", for_s=5)
-        notebook.way(robot, for_s=5)                      # where odometry says that it went
+        notebook.way(robot, for_s=5)                      # its path by odometry
 
-They need what the extra `jupyter` brings: IPython and matplotlib.
+They need the packages of the extra `jupyter`: IPython and matplotlib.
 """
 
 import time
@@ -61,8 +61,7 @@ def plot(robot: Robot, *fields: str, for_s: float = 10.0) -> dict[str, list[tupl
 
 
 def way(robot: Robot, *, for_s: float = 10.0, pose: str = "odometry/state") -> list[tuple[float, float, float]]:
-    """Draw where odometry says that it went, with an arrow ahead; return its poses: x and y in metres, yaw in
-    radians."""
+    """Draw the path by odometry, with an arrow ahead; return its poses: x and y in metres, yaw in radians."""
     poses: list[tuple[float, float, float]] = []
 
     def look() -> None:
@@ -92,7 +91,7 @@ def _live(look: Callable[[], None], draw: Callable[[Axes], None], for_s: float) 
 
 
 def _png(figure: Figure) -> Image:
-    """Draw a figure here, whichever way the notebook draws others."""
+    """Draw a figure here, whatever the notebook's own backend."""
     drawn = BytesIO()
     figure.savefig(drawn, format="png")
     return Image(data=drawn.getvalue(), format="png")  # type: ignore[no-untyped-call]

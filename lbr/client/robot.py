@@ -1,4 +1,4 @@
-"""A robot that a program is connected to: it looks, says lines, borrows motion."""
+"""A connected robot: a program reads it, sends it lines, borrows its motion."""
 
 import atexit
 import os
@@ -27,7 +27,7 @@ GONE = "the robot has ended since this program connected; if it runs again, conn
 
 
 class Said(NamedTuple):
-    """A robot's answer to a line: its words, the data for programs, and the end of a motion that it began."""
+    """A robot's answer to a line: its text, the data for programs, and the end of the motion that it began."""
 
     text: str
     data: Any = None
@@ -35,7 +35,7 @@ class Said(NamedTuple):
 
 
 class Picture(bytes):
-    """A picture as its camera made it: the bytes of a JPEG file, which a notebook shows."""
+    """A camera's picture: the bytes of a JPEG file, which a notebook shows."""
 
     __slots__ = ()
 
@@ -44,7 +44,7 @@ class Picture(bytes):
 
 
 class Robot:
-    """A robot that is connected to; `role` is the most that it lets us do. Use it in a `with`, from one thread."""
+    """A connected robot; `role` is our highest role there. Use it in a `with`, from one thread."""
 
     def __init__(self, place: target.Target, source: str) -> None:
         self.name = place.robot
@@ -68,7 +68,7 @@ class Robot:
         self.close()
 
     def close(self) -> None:
-        """Stop what a line of ours moves, and disconnect; it is done at the program's end where nobody has."""
+        """Stop the motion of our lines, and disconnect; this happens at the program's end if nobody has done it."""
         atexit.unregister(self._leave)
         if os.getpid() == self._process:
             self._operator.close()
@@ -76,13 +76,13 @@ class Robot:
 
     @property
     def session(self) -> Session:
-        """Our session of the bus; BusError in a process that was forked since, where none of its threads is."""
+        """Return our session of the bus; raise BusError in a forked process, which has none of its threads."""
         self._need_own_process()
         return self._session
 
     @property
     def operator(self) -> BusOperator:
-        """The sender of our lines; BusError in a process that was forked since."""
+        """Return the sender of our lines; raise BusError in a forked process."""
         self._need_own_process()
         return self._operator
 
@@ -92,31 +92,31 @@ class Robot:
 
     @property
     def why_unanswered(self) -> str:
-        """Return why a command that is there may not answer us; empty where nothing keeps us from it."""
+        """Return why an existing command may not answer us; empty if nothing prevents it."""
         if self._has_restarted:
             return GONE
-        # the bus says nothing when it drops what a role does not allow (docs/bus.md)
+        # the bus is silent when it drops a message that a role does not allow (docs/bus.md)
         return f"the role '{self.role}' may be too low for it" if self._by_token and self.role != "admin" else ""
 
     @property
     def _has_restarted(self) -> bool:
-        """Return whether the robot's run of this connection is over: the next one has another password."""
+        """Return whether the robot has restarted since this connection began: the next run has another password."""
         return self._running is not None and self._running.pid not in {one.pid for one in home.running()}
 
     def _bus_error(self, why: str) -> BusError:
         return BusError(f"{why}; {GONE}" if self._has_restarted else why)
 
     def key(self, name: str) -> str:
-        """Return the whole key of `drive/state`, `@status` and their like."""
+        """Return the complete key of `drive/state`, `@status` and the like."""
         return f"{self.name}/{name}"
 
     def latest(self, name: str) -> Message:
-        """Return the newest message of a stream, or what else answers on a key; raise BusError if nothing does."""
+        """Return the newest message of a stream, or another answer on a key; raise BusError without an answer."""
         return self._answer(name, {})
 
     def ask(self, name: str, **message: Any) -> Message:
-        """Give a command that borrows nothing, and return its reply; raise RefusalError, or BusError if nothing
-        answers."""
+        """Send a command that borrows nothing, and return its reply; raise RefusalError, or BusError without an
+        answer."""
         reply = self._answer(name, of_numbers(message), self.why_unanswered)
         if reply.get("accepted") is False:
             raise RefusalError(reply.get("code", ""), reply.get("reason", ""))
@@ -144,15 +144,15 @@ class Robot:
             return next(found)
 
     def say(self, line: str, *, hold_s: float = HELD_S) -> Said:
-        """Say a console line and return when it is done; motion without bounds is held for `hold_s`, then stopped.
+        """Send a console line and return when it is done; unbounded motion is held for `hold_s`, then stopped.
 
-        Raise RefusalError if it is refused, or ends otherwise than it was meant to.
+        Raise RefusalError if it is refused, or does not end as planned.
         """
         return self.say_kept(line, hold_s=hold_s, beat=self.operator.ear.beat)
 
     def say_kept(self, line: str, *, hold_s: float, beat: Callable[[], None]) -> Said:
-        """Say a line as `say` does; what it moves goes on only while `operator.ear` is beaten, by `beat` or from
-        elsewhere."""
+        """Send a line as `say` does; its motion goes on only while `beat`, or another thread, calls
+        `operator.ear.beat`."""
         try:
             result, code, ending = lines.say_once(
                 self.operator, line, hold_s=hold_s, announce=lambda _result: None, beat=beat
@@ -166,7 +166,7 @@ class Robot:
 
     @property
     def do(self) -> Words[Said]:
-        """Return the robot's words as methods: `robot.do.play("wave")` says `/play/wave`; Tab completes them."""
+        """Return the robot's words as methods: `robot.do.play("wave")` sends `/play/wave`; Tab completes them."""
         if self._words is None:
             self._words = Words(self.operator.words, self.say)
         return self._words
@@ -177,8 +177,7 @@ class Robot:
         return Motion(self, name, message)
 
     def hold(self, name: str, *, at_most_s: float = AT_MOST_S, **message: Any) -> KeptMotion:
-        """Return a motion for a `with`: it begins there, is kept meanwhile, for `at_most_s`, and is released at the
-        end."""
+        """Return a motion for a `with`: it begins there, is kept for `at_most_s`, and is released at the end."""
         return KeptMotion(lambda: self.borrow(name, **message), at_most_s)
 
     def drive(self, power: float, angle_deg: float = 0.0, *, at_most_s: float = AT_MOST_S) -> KeptMotion:
@@ -205,7 +204,7 @@ class Robot:
         self.say(f"/estop/{reason}" if reason else "estop")
 
     def reset(self) -> None:
-        """Release the emergency stop; nothing moves by that."""
+        """Release the emergency stop, without any motion."""
         self.say("reset")
 
     def _payloads(self, name: str, within_s: float) -> Generator[bytes, None, None]:
@@ -222,8 +221,7 @@ class Robot:
 
 
 def _leave(robot: "ref[Robot]") -> None:
-    """Close a robot that its program has left open, so that no thread is inside the bus library when the interpreter
-    ends."""
+    """Close a robot that its program left open, so that no thread is in the bus library when the interpreter ends."""
     found = robot()
     if found is not None:
         found.close()
@@ -239,8 +237,8 @@ def connect(
 ) -> Robot:
     """Connect to the named robot, the one at an endpoint, or the only one that runs here; raise BusError or InputError.
 
-    At another machine's door (`tls/HOST:PORT`) a token lets us in: `token_file`, $LBR_TOKEN, or one that `lbr` has
-    saved. `name` is what refusals and events call this program, and `role` the most that its lines may do.
+    Another machine's door (`tls/HOST:PORT`) requires a token: `token_file`, $LBR_TOKEN, or one that `lbr` has saved.
+    `name` is this program's name in refusals and events, and `role` the highest role of its lines.
     """
     target_ = target.find(robot, at, Path(token_file) if token_file else None)
     least = min(role, target_.role, key=RANKS.__getitem__)

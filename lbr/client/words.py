@@ -15,8 +15,8 @@ SHOWN_CHOICES = 12
 class Words(Generic[R]):
     """The words of a robot as attributes, for programs and their completion: `words.play("wave")` is `/play/wave`.
 
-    They are asked for when they are first needed, and again when a word is not among them: rows may have changed.
-    A word that is no name of Python's is `words["word"]`. `say` says a line and returns what it is answered.
+    They are requested when they are first needed, and again for an unknown word, as rows may have changed. A word that
+    is not a Python name is `words["word"]`. `say` sends a line and returns the answer.
     """
 
     def __init__(self, entries: Callable[[], list[Entry]], say: Callable[[str], R]) -> None:
@@ -52,7 +52,7 @@ class Words(Generic[R]):
 
 
 class Word(Generic[R]):
-    """A word: called with its fields, it does the same as at the console."""
+    """A word: a call with its fields does the same as the console."""
 
     def __init__(self, word: str, entries: list[Entry], say: Callable[[str], R]) -> None:
         self.__name__ = word
@@ -62,14 +62,14 @@ class Word(Generic[R]):
         self._say = say
 
     def __call__(self, *values: object) -> R:
-        """Say it."""
+        """Send it."""
         return self._say(self.line(*values))
 
     def __repr__(self) -> str:
         return self.__doc__ or self.__name__
 
     def line(self, *values: object) -> str:
-        """Return the line of the console; InputError if a value does not fit into one."""
+        """Return the line for the console; raise InputError if a value does not fit into one."""
         texts = [_text(value) for value in values]
         if any(entry.get("target") == "external" for entry in self._entries):
             return " ".join((self.__name__, *texts))
@@ -103,7 +103,7 @@ def _listed(choices: list[Any]) -> str:
 
 
 def _signature(entries: list[Entry]) -> inspect.Signature:
-    """Return the fields of the longest way to say it; those that a shorter way does without may be left out."""
+    """Return the fields of its longest form; those that a shorter form lacks are optional."""
     fields = [[str(field["name"]) for field in entry.get("fields") or []] for entry in entries]
     longest, fewest = max(fields, key=len), min(map(len, fields))
     parameters = []

@@ -1,13 +1,13 @@
-"""The simulated room as an environment of Gymnasium, `lbr/Room-v0`: what learns drives by twists, through the drive as
-it is.
+"""The simulated room as an environment of Gymnasium, `lbr/Room-v0`: the learner drives by twists, through the real
+drive.
 
     import gymnasium
     import lbr.gym
 
     room = gymnasium.make("lbr/Room-v0")
 
-The drive's rules, limits and ramps count as on the robot: what would run into something is slowed and refused. Nothing
-outside moves.
+The drive's rules, limits and ramps are those of the robot: it slows down and refuses a twist before an obstacle. No
+real robot moves.
 """
 
 from math import cos, isfinite, radians, sin
@@ -48,27 +48,27 @@ ID = "lbr/Room-v0"
 USUAL = "lbr"
 BY = "gym"
 WITHIN = ("drive", "battery", "odometry")
-"""Kinds that run here as they are."""
+"""Kinds that run here unchanged."""
 HEARD: dict[type[Any], str] = {Ranges: "ranges", AttitudeState: "attitude", DockSignal: "dock", BatteryState: "battery"}
 SENSORS = ("forward", "back", "left", "right")
 BEAMS = ("left", "right", "power")
 REACH_M = 6.0
-"""The value of a missing measurement: nothing is within reach."""
+"""The value of a missing measurement: there is nothing within reach."""
 MOST_MPS, MOST_RPS = 0.5, 1.5
 STEP_S, WARM_S, LONGEST_S = 0.1, 1.0, 120.0
 DOCKED, CONTACT, TIME = 100.0, -1.0, -0.01
-"""The reward of a step: the dock's current, each new contact with anything else, and the time that went by."""
+"""The reward of a step: for the dock's current, each new contact with anything else, and the elapsed time."""
 
 Seen = dict[str, NDArray[np.float32]]
 
 
 class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
-    """A robot on wheels somewhere in its room, which is to come to its dock.
+    """A robot on wheels somewhere in its room, which has to reach its dock.
 
     An action is a twist, two shares from -1 to 1: of MOST_MPS ahead, and of MOST_RPS anticlockwise; it holds for
-    STEP_S. An episode ends when the dock charges the robot, and is cut off after `max_s` seconds of the robot's time.
-    `database` and `robot` say whose rows; the shipped rows of `lbr` if left out. InputError: these make no robot on
-    wheels, there is no such file, or `max_s` is no time.
+    STEP_S. An episode ends when the dock charges the robot, and is truncated after `max_s` seconds of the robot's time.
+    `database` and `robot` choose the rows; by default, the shipped rows of `lbr`. InputError: the rows are not of a
+    robot on wheels, there is no such file, or `max_s` is invalid.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012 - as Gymnasium declares it
@@ -104,10 +104,10 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
         self._board: Stage | None = None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Seen, dict[str, Any]]:
-        """Put the robot anywhere where it can turn, or where `options["start"]` says: x and y in metres, yaw in
+        """Put the robot at a random place where it can turn, or at `options["start"]`: x and y in metres, yaw in
         radians.
 
-        Return what it senses, and the truth about it. InputError: there is no room for it there.
+        Return its observation, and the truth about it. InputError: there is no room for it there.
         """
         super().reset(seed=seed)
         random = Random(int(self.np_random.integers(1 << 62)))
@@ -152,7 +152,7 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
         return self._observed(), reward, docked, board.now - self._began_s >= self._max_s, self._info()
 
     def close(self) -> None:
-        """Let go of the world."""
+        """Release the world."""
         self._board = None
 
     @property
@@ -191,7 +191,7 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
         return hear
 
     def _rounds(self, seconds: float) -> int:
-        """Let time go by; return how often the robot came against something that is not its dock."""
+        """Let time pass; return how often the robot newly touched anything but its dock."""
         assert self._board is not None
         contacts = 0
         for _ in range(round(seconds / ROUND_S)):
@@ -204,7 +204,7 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
         return contacts
 
     def _answered(self) -> None:
-        """Go on with the lease that the drive gave, or ask for one again after it was refused."""
+        """Renew the drive's lease, or request one again after a refusal."""
         if self._asked is None or (answers := self._asked.answers()) is None:
             return
         self._asked, reply = None, answers[self._drive]
@@ -226,7 +226,7 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
         }
 
     def _info(self) -> dict[str, Any]:
-        """Return the truth, for judging: no robot knows it."""
+        """Return the truth, for rewards and evaluation: no robot knows it."""
         pose = self._instruments.pose
         return {
             "pose": (pose.x_m, pose.y_m, pose.yaw_rad),
@@ -238,7 +238,7 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
 
 
 def _rows(database: str | Path | None, robot: str) -> RobotRows:
-    """Return a robot's rows, of a database or as they are shipped."""
+    """Return a robot's rows, from a database or as shipped."""
     if database is not None:
         if not Path(database).exists():
             raise InputError(f"there is no database {database}; 'lbr db init' makes one", "unknown_name")
@@ -255,7 +255,7 @@ def _loaded(path: Path, robot: str) -> RobotRows:
 
 
 def _processes(rows: RobotRows) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return a robot's processes as its rows plan them in a simulation, and their kinds; the world's is called
+    """Return a robot's processes as its rows plan them in a simulation, and their kinds; the world's name is
     `world`."""
     plan, problems = planned(rows)
     if plan is None:

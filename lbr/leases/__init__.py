@@ -1,6 +1,6 @@
-"""Borrowing motion: one holder, leases that lapse, offers to senders elsewhere, stops.
+"""Borrowing motion: one holder, leases that expire, offers to senders elsewhere, stops.
 
-Pure for every kind of motion, but for `client`, `holder` and `over_session`, which borrow it. The process around a
+Pure for every kind of motion, except `client`, `holder` and `over_session`, which borrow it. The process around a
 kernel is `lbr.operations.lender`. A kernel keeps a `LeaseTable` in its state (`lease.first`), with its own phrasing.
 Each `Lease` has the kernel's own motion, with goal and bounds. Every incoming command becomes a `LeaseRequest`. Then:
 
@@ -12,6 +12,6 @@ Each `Lease` has the kernel's own motion, with goal and bounds. Every incoming c
   and grants it by `decide.grant`. `decide.accepted` is the answer, `decide.with_motion` keeps the progress;
 - `decide.latch` for the emergency stop, and `ending.end` for a motion that is over by itself or by a fault.
 
-All return the new lease table and its reports. Each `Ended` is a lease whose motion is over, for the kernel to report
-the end of its goal. `Happened` is for people. Every reason is a `Reason`: a code for programs and a sentence.
+All return the new lease table and its reports. Each `Ended` is a lease whose motion is over: the kernel reports the end
+of its goal. `Happened` is for people. Every reason is a `Reason`: a code for programs and a sentence.
 """

@@ -1,4 +1,4 @@
-"""A request as the leases of now have it, resolved once where it comes in. All checks and grants use it."""
+"""A request, resolved once against the present leases. All checks and grants use the result."""
 
 from math import inf, isfinite, isnan
 from typing import Generic, Literal
@@ -14,8 +14,8 @@ Intent = Literal["stop", "renewal", "change", "offer", "begin"]
 class Ask(Struct, Generic[M], frozen=True, kw_only=True):
     """A request resolved against the `leases` at the time `now`.
 
-    `quotes` is the lease or offer that it quotes. `sent` is the latest possible time of sending, on our clock.
-    The sender's clock is behind ours by `behind_s` at most. That is infinite if it is not known.
+    `quotes` is the lease or offer that it quotes. `sent` is the latest possible time of sending, on our clock. The
+    sender's clock is behind ours by `behind_s` at most; infinite if unknown.
     """
 
     request: LeaseRequest
@@ -43,8 +43,8 @@ class Ask(Struct, Generic[M], frozen=True, kw_only=True):
 def resolve(leases: LeaseTable[M], request: LeaseRequest, now: float) -> Ask[M]:
     """Return a request resolved against the leases.
 
-    The quickest message under the same lease dates a remote sender's clock. So a message that a partition held back
-    never looks new after the partition.
+    The quickest message under the same lease dates a remote sender's clock. So a message that a network failure has
+    delayed never looks new afterwards.
     """
     lease = quoted(leases, request)
     behind_s = _behind_s(request, lease)

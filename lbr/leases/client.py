@@ -1,7 +1,6 @@
-"""Motion borrowed from a capability: asked for, renewed at 10 Hz, followed, and given up whenever it is lost.
+"""Motion borrowed from a capability: requested, renewed at 10 Hz, watched, and given up once it is lost.
 
-Everything that borrows motion does it by this client: a capability by its request ports, a program by its session on
-the bus.
+All borrowers use this client: a capability by its request ports, a program by its session on the bus.
 """
 
 from collections.abc import Mapping
@@ -18,8 +17,8 @@ from lbr.messages.leases import CommandReply, StopCommand
 
 RENEW_S = 0.1
 SILENT_S = 0.5
-"""A lender that answers nothing for this long is silent. A round of ours counts as `RENEW_S` at most: while we were
-held up ourselves we neither asked nor read, and the lease alone tells whether that was too long."""
+"""A lender that answers nothing for this long is silent. A round of ours counts as `RENEW_S` at most: while this process
+was delayed it neither asked nor read. Then only the lease shows whether that was too long."""
 ANSWER_S = 1.0
 MOST_WAITING = 8
 MOST_RESULTS = 8
@@ -33,25 +32,25 @@ class PendingReply(Protocol):
     """A question under way."""
 
     def answers(self) -> Mapping[str, Any] | None:
-        """Return what each asked capability answered (None for one that did not); None while waiting."""
+        """Return the answers by capability (None for one that did not answer); None while waiting."""
 
 
 class Transport(Protocol):
-    """By what a client asks: the context of a capability, or `lbr.leases.over_session.OverSession`."""
+    """The means of a client to ask: a capability's context, or `lbr.leases.over_session.OverSession`."""
 
     def ask(self, request: str, message: Any, timeout_s: float) -> PendingReply:
         """Ask by a request port."""
 
     def clock(self) -> float:
-        """Monotonic seconds."""
+        """Return monotonic seconds."""
 
 
 @dataclass(frozen=True, slots=True)
 class LeaseTarget:
-    """Whom to borrow from: the requests to move and to halt it, what it is, and what it does once it is silent.
+    """The lender: the requests to move and to halt it, its kind, and a text about its silence.
 
-    Without a request to halt it, motion that is not wanted any more lapses. Where a lease dies, the result that says
-    why may be heard `result_s` later.
+    Without a request to halt it, unwanted motion ends with its lease. When a lease ends, the result with the reason may
+    come up to `result_s` later.
     """
 
     motion: str
@@ -63,10 +62,10 @@ class LeaseTarget:
 
 
 class LeaseClient:
-    """A lease: asked for with the `first` motion, or one that was `given`. `step` and `keep` it ten times a second.
+    """A lease: requested with the `first` motion, or one that was `given`. `step` and `keep` it ten times a second.
 
-    `accepted` is the answer to what was asked for, `result` how its goal ended, if that was heard, and `ended` why the
-    lease is no more, if it is; `silent`: because nothing answers.
+    `accepted` is the answer to the request, `result` the result of its goal, and `ended` the reason for the lease's
+    end. `silent`: it ended because nobody answers.
     """
 
     def __init__(
@@ -94,17 +93,17 @@ class LeaseClient:
 
     @property
     def holds(self) -> bool:
-        """Return whether motion can be sent by it."""
+        """Return whether the lease permits to send motion."""
         return self.accepted is not None and self.ended is None and self._lost is None
 
     @property
     def renewal_due(self) -> bool:
-        """Return whether it is time to renew it."""
+        """Return whether it is time to renew the lease."""
         return self.holds and not self._transport.clock() - self._sent < RENEW_S
 
     @property
     def lost(self) -> bool:
-        """Return whether it may not go on, also while the result with the reason is awaited."""
+        """Return whether it may not go on, even while it waits for the result with the reason."""
         return self._lost is not None
 
     @property
@@ -127,14 +126,14 @@ class LeaseClient:
         self._look_for_the_end(now)
 
     def keep(self, message: Message) -> None:
-        """Go on like this: send the motion if it is new, or when the lease is to be renewed."""
+        """Send the motion if it is new, or when the lease has to be renewed."""
         if self.renewal_due or (self.holds and message != self._last):
             self.send(message)
 
     def send(self, message: Message, *, vital: bool = True) -> PendingReply | None:
-        """Renew or change the motion; None if too much waits for answers, and nothing was sent.
+        """Renew or change the motion; return None, without sending, if too many answers are outstanding.
 
-        If what is not `vital` is refused, the motion goes on as it was.
+        If a message that is not `vital` is refused, the motion goes on as before.
         """
         if self.accepted is None or not self.holds or len(self._asked) >= MOST_WAITING:
             return None
@@ -146,14 +145,16 @@ class LeaseClient:
         return asked
 
     def hear(self, result: GoalResult) -> None:
-        """Take the result of a goal, of anyone's."""
+        """Note the result of a goal, of anyone's."""
         self._results[result.goal] = result
         if len(self._results) > MOST_RESULTS:
             self._results.pop(next(iter(self._results)))
 
     def release(self, why: str, *, lost: bool = False, by: str = "", at_once: bool = False) -> PendingReply | None:
-        """Halt what was borrowed, if it is still ours to halt or may become so; `lost`: its sender is gone; `by`: who
-        stopped it; `at_once`: without a step to its feet."""
+        """Halt the borrowed motion, if it is ours or may become so.
+
+        `lost`: its sender is gone. `by` stopped it. `at_once`: without a step to its feet.
+        """
         if self.ended is not None:
             return None
         self.ended = Reason("cancelled", why)
@@ -186,7 +187,7 @@ class LeaseClient:
                 self._refused(reply, now)
 
     def _refused(self, reply: CommandReply, now: float) -> None:
-        """Give up; a refused change leaves the motion at what was before, which is not wanted any more."""
+        """Give up; after a refused change, the earlier motion would go on, which nobody wants any more."""
         if self._lost is None:
             if reply.code != "dead_lease":
                 self._halt(reply.why.text)

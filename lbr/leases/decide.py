@@ -17,7 +17,7 @@ STOPPED = Reply(message=CommandReply(accepted=True, reason="stopped"))
 
 
 def refuse(ask: Ask[M], why: Reason) -> tuple[LeaseTable[M], Reply]:
-    """Refuse a command, and remember a sender that continues when it should not."""
+    """Refuse a command, and remember a sender that goes on without permission."""
     leases, request = ask.leases, ask.request
     if request.moves and (how := _persists(ask)):
         leases = note_persistent(leases, request.source, how, ask.now)
@@ -32,27 +32,27 @@ def renew(ask: Ask[M]) -> LeaseTable[M]:
 
 
 def grant(leases: LeaseTable[M], ask: Ask[M], motion: M) -> Decision[M]:
-    """Have a motion begin, go on under the same lease instead of another, or wait for its lease to be quoted."""
+    """Begin a motion, change it under the same lease, or offer a lease that has to be quoted."""
     steps = {"change": _change, "offer": _offer, "begin": _begin}
     return steps[ask.wants](leases, ask, motion)
 
 
 def lent(leases: LeaseTable[M], ask: Ask[M]) -> Lease[M]:
-    """Return the lease that the answer to an accepted command is about."""
+    """Return the lease in the answer to an accepted command."""
     lease = leases.offers[-1] if ask.wants == "offer" else leases.live
     assert lease is not None
     return lease
 
 
 def accepted(lease: Lease[M], note: Reason | None = None, goal: str = "") -> Reply:
-    """Answer with a lease or an offer, what its holder should know, and the name of its goal."""
+    """Answer with a lease or an offer, a note for its holder, and the name of its goal."""
     reason, code = (note.text, note.code) if note else ("", "")
     message = CommandReply(accepted=True, reason=reason, code=code, lease=lease.id, ttl_s=lease.ttl_s, goal=goal)
     return Reply(message=message)
 
 
 def _change(leases: LeaseTable[M], ask: Ask[M], motion: M) -> Decision[M]:
-    """Go on under the same lease with another motion; the one before is superseded, but the lease goes on."""
+    """Change the motion under the same lease; the former goal is superseded, but the lease goes on."""
     held = leases.live
     assert held is not None
     lease = replace(_new_lease(ask, motion), id=held.id, source=held.source)
@@ -62,7 +62,7 @@ def _change(leases: LeaseTable[M], ask: Ask[M], motion: M) -> Decision[M]:
 
 
 def _begin(leases: LeaseTable[M], ask: Ask[M], motion: M) -> Decision[M]:
-    """Hold it from now on; the previous holder loses it."""
+    """Give the lease to the new holder; the previous one loses it."""
     before, offer, now = leases.live, ask.quotes, ask.now
     source = offer.source if offer else ask.request.source
     why = Reason("taken_over", f"taken over by {source}") if before else None
@@ -80,9 +80,9 @@ def _begin(leases: LeaseTable[M], ask: Ask[M], motion: M) -> Decision[M]:
 
 
 def _offer(leases: LeaseTable[M], ask: Ask[M], motion: M) -> Decision[M]:
-    """Promise a lease that moves nothing until it is quoted: only that proves that the command was not held back.
+    """Promise a lease that moves nothing until it is quoted: only that proves that the command was not delayed.
 
-    The newest of the offers is the one that was made.
+    The newest of the offers is the new one.
     """
     own = tuple(offer for offer in leases.offers if offer.source == ask.request.source)
     oldest = leases.offers[:1] if len(leases.offers) >= MOST_OFFERS else ()
@@ -110,7 +110,7 @@ def stop(leases: LeaseTable[M], event: Stop, now: float) -> Decision[M]:
 
 
 def latch(leases: LeaseTable[M], event: EstopChanged, now: float) -> Decision[M]:
-    """Latch or release the emergency stop; what was sent before either begins nothing any more."""
+    """Latch or release the emergency stop; commands sent before either begin nothing any more."""
     stopped = max(leases.stopped, now)
     leases = replace(leases, estop=event.engaged, estop_reason=event.reason, stopped=stopped, stopped_by="")
     by = event.by or ("the emergency stop" if event.engaged else "the emergency stop's reset")
@@ -120,15 +120,15 @@ def latch(leases: LeaseTable[M], event: EstopChanged, now: float) -> Decision[M]
 
 
 def with_motion(leases: LeaseTable[M], motion: M) -> LeaseTable[M]:
-    """Return the leases with the holder's motion as far as it has come."""
+    """Return the leases with the present state of the holder's motion."""
     assert leases.live is not None
     return replace(leases, live=replace(leases.live, motion=motion))
 
 
 def _persists(ask: Ask[M]) -> str:
-    """Return how a refused command goes on when it should not, or nothing.
+    """Return how the sender of a refused command goes on without permission, or an empty text.
 
-    A command that was under way as the emergency stop was latched does not: its sender did not know of it yet.
+    A command that was under way when the emergency stop was latched does not count: its sender did not know of it yet.
     """
     leases = ask.leases
     if leases.estop and not ask.sent < leases.stopped:  # this way round, NaN goes on
@@ -139,17 +139,17 @@ def _persists(ask: Ask[M]) -> str:
 
 
 def _keep(leases: LeaseTable[M], lease: Lease[M], now: float) -> LeaseTable[M]:
-    """A lease lives from its last quotation, or else its acceptance; it ends a little sooner than its lifetime."""
+    """Date a lease from its last quotation, otherwise its acceptance; it ends a little before its lifetime is over."""
     since = now if isnan(lease.renewed) else lease.renewed
     ahead_s = min(leases.ahead_s, lease.ttl_s / 5)
     return replace(leases, live=replace(lease, expires=since + lease.ttl_s - ahead_s), reason=IDLE)
 
 
 def _quoting(ask: Ask[M], lease: Lease[M]) -> Lease[M]:
-    """Return a lease that was quoted; it lives from when that was sent."""
+    """Return a lease that was quoted, dated from the time at which the quotation was sent."""
     known = ask.quotes
     assert known is not None
-    renewed = max(ask.sent, known.renewed)  # this way round, NaN is no renewal yet
+    renewed = max(ask.sent, known.renewed)  # this way round, NaN is not a renewal yet
     own_s = ask.behind_s if ask.request.source == known.source else inf
     return replace(lease, renewed=renewed, offset_s=min(known.offset_s, own_s))
 

@@ -28,7 +28,7 @@ BACK = Reason("clock", "the clock went back")
 
 
 def end(leases: LeaseTable[M], how: Ending, why: Reason, now: float, *, heir: str = "") -> Decision[M]:
-    """End the lease, if there is one, and report the reason to its holder. `heir` takes it over."""
+    """End the lease, if there is one, and report the reason to its holder. `heir` is the next holder."""
     lease = leases.live
     if lease is None:
         return replace(leases, reason=why), ()
@@ -41,14 +41,14 @@ def end(leases: LeaseTable[M], how: Ending, why: Reason, now: float, *, heir: st
 
 
 def end_all(leases: LeaseTable[M], how: Ending, why: Reason, now: float) -> Decision[M]:
-    """End the lease and every offer: nothing that was asked for earlier may move anything afterwards."""
+    """End the lease and every offer: no earlier request may move anything afterwards."""
     leases, ended = end(leases, how, why, now)
     leases, dropped = drop_offers(leases, leases.offers, how, why)
     return leases, ended + dropped
 
 
 def lapse(leases: LeaseTable[M], now: float) -> Decision[M]:
-    """End what was not quoted or renewed in time; comparisons are such that NaN ends it."""
+    """End leases and offers that were not renewed or quoted in time; the comparisons end them on NaN."""
     messages: Said[M] = ()
     lapsed = tuple(offer for offer in leases.offers if not now < offer.expires)
     if lapsed:
@@ -63,7 +63,7 @@ def lapse(leases: LeaseTable[M], now: float) -> Decision[M]:
 
 
 def drop_offers(leases: LeaseTable[M], offers: tuple[Lease[M], ...], how: Ending, why: Reason) -> Decision[M]:
-    """Take offers back."""
+    """Withdraw offers."""
     messages: Said[M] = ()
     for offer in offers:
         offered = tuple(one for one in leases.offers if one is not offer)
@@ -73,7 +73,7 @@ def drop_offers(leases: LeaseTable[M], offers: tuple[Lease[M], ...], how: Ending
 
 
 def lose_time(leases: LeaseTable[M], clock: float, now: float) -> Decision[M]:
-    """End everything and forget every date: none of it means anything on a clock that went back from `clock`."""
+    """End everything and forget every date: they have no meaning on a clock that went back from `clock`."""
     recent = {name: found for name, found in leases.persistent.items() if not clock >= found.until}
     persistent = {name: PersistentSender(until=now + PERSISTENT_S, how=found.how) for name, found in recent.items()}
     forgotten = replace(leases, stopped=now, stopped_by="", begun=now, halts=Halts(at=now), persistent=persistent)
@@ -81,7 +81,7 @@ def lose_time(leases: LeaseTable[M], clock: float, now: float) -> Decision[M]:
 
 
 def happened(ended: Ended[M], kind: str = "") -> Happened:
-    """Return the event for people that a lease ended; its kind is the ending, unless given."""
+    """Return the event for people about the end of a lease; its kind is the ending, unless given."""
     level: Level = "warning" if ended.how in UNPLANNED else "info"
     return Happened(
         kind=kind or ended.how,
@@ -95,9 +95,9 @@ def happened(ended: Ended[M], kind: str = "") -> Happened:
 def report_holder(
     leases: LeaseTable[M], now: float, *, took: str = "", lost: str = "", why: Reason | None = None
 ) -> Decision[M]:
-    """Report the new holder and the one before; in a flood of changes, the number of those not reported."""
+    """Report the new holder and the previous one; in a flood of changes, the number of unreported ones."""
     tally, noun = leases.tally, leases.phrasing.noun
-    refilled = tally.budget + TELLINGS_PER_S * max(0.0, now - tally.at)  # this way round, NaN is no time
+    refilled = tally.budget + TELLINGS_PER_S * max(0.0, now - tally.at)  # this way round, NaN counts as no time
     budget = min(TELLINGS, refilled)
     if budget < 1.0:
         return replace(leases, tally=Tally(budget=budget, at=now, untold=tally.untold + 1)), ()

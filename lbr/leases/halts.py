@@ -1,4 +1,4 @@
-"""Remembers who stopped the robot last, so that what others had written before moves nothing any more. Pure."""
+"""The last stops of the robot, so that commands written before another's stop move nothing any more. Pure."""
 
 from math import inf
 
@@ -6,8 +6,7 @@ from msgspec import Struct
 
 
 class Halts(Struct, frozen=True, kw_only=True):
-    """When another's stop came last, for each who may ask: the last one `at`, by `source`; `before` it, by others than
-    that."""
+    """The last stop `at`, by `source`, and the last one `before` it by another source."""
 
     at: float = -inf
     source: str = ""
@@ -15,7 +14,7 @@ class Halts(Struct, frozen=True, kw_only=True):
     before_source: str = ""
 
     def noted(self, at: float, source: str) -> "Halts":
-        """Return the stops with one more; an empty source is not one that may ask."""
+        """Return the stops with one more; an empty source does not count as a sender."""
         if source and source == self.source:
             return Halts(at=max(at, self.at), source=source, before=self.before, before_source=self.before_source)
         if at >= self.at:
@@ -25,5 +24,5 @@ class Halts(Struct, frozen=True, kw_only=True):
         return self
 
     def by_others(self, source: str) -> tuple[float, str]:
-        """Return when another than `source` stopped it last, and its name."""
+        """Return the time and source of the last stop by another than `source`."""
         return (self.before, self.before_source) if source and source == self.source else (self.at, self.source)

@@ -20,9 +20,9 @@ TARGETS: Mapping[type, LeaseTarget] = {
     PlayCommand: LeaseTarget("play", "play_halt", "motions", f"motions: {GONE}", result_s=RESULT_S),
     SeekCommand: LeaseTarget("seek", "seek_halt", "beacon", f"the beacon: {GONE}", result_s=RESULT_S),
 }
-"""The lender of each motion, for a capability whose requests have these names."""
+"""The lender of each motion, for a capability with these requests."""
 FINAL = frozenset({"stopped", "stopped_since", "taken_over", "held", "estop", "role", "denied", "shutting_down"})
-"""Codes of an end or a refusal by a person who stops or holds the robot. All plans are over then, too."""
+"""Codes of an end or a refusal by a person who stops or holds the robot. They end all plans, too."""
 
 
 def bounded(motion: object) -> bool:

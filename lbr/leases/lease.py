@@ -17,14 +17,14 @@ Level = Literal["info", "warning", "error"]
 
 LATE_S = 0.3
 TELLINGS = 20
-"""Changes of holder reported at once; more come back at `TELLINGS_PER_S`."""
+"""Changes of holder reported at once; more are allowed later, at `TELLINGS_PER_S`."""
 TELLINGS_PER_S = 5.0
 
 IDLE = Reason("idle", "")
 
 
 class Phrasing(Struct, frozen=True, kw_only=True):
-    """The terms in which a kernel speaks of what it moves: the base, send power 0."""
+    """A kernel's terms for its motion, such as `the base` and `send power 0`."""
 
     noun: str
     rest: str
@@ -32,12 +32,12 @@ class Phrasing(Struct, frozen=True, kw_only=True):
 
 
 class LeaseRequest(Struct, frozen=True, kw_only=True):
-    """A command as far as leases are concerned; it was sent, or else came in, at `received`.
+    """A command for the rules of leases; it was sent, otherwise it arrived, at `received`.
 
-    `content`: the command apart from sender, lease and lifetime; `moves` says that it is not standing still. `remote`:
-    from another machine, whose clock said `sender_s` (NaN: it did not tell). `answerable`: the sender waits for the
-    reply. `new_lease` is for what it may begin. It may be `patience_s` old. For `waited_s` before it was sent it had
-    waited at its sender, as a line does that was typed ahead. `by` asked its sender for it, if anybody did.
+    `content` is the command without sender, lease and lifetime; `moves`: it asks for motion. `remote`: from another
+    machine, whose clock showed `sender_s` (NaN: unknown). `answerable`: the sender waits for the reply. `new_lease` is
+    the id for a new lease. It may be `patience_s` old. It had waited at its sender for `waited_s`, as a line does that
+    was typed ahead. `by` is the original sender, if there is one.
     """
 
     source: str
@@ -57,11 +57,10 @@ class LeaseRequest(Struct, frozen=True, kw_only=True):
 
 
 class Stop(Struct, frozen=True, kw_only=True):
-    """A sender wants it to stand still; `lost` says that the one who wanted the motion is gone, and counts from its
-    holder.
+    """A stop; `lost`: the user of the motion is gone, which counts only from the holder.
 
-    `whole`: the robot is to stand still, not only what its holder moves. `own`: its source gives up what it asked for
-    itself. `by` is who said so, if its source passes it on; `at_once`: it does not step to its feet first.
+    `whole`: the whole robot stops, not only the holder's motion. `own`: its source gives up its own request. `by` is
+    the original sender, if its source passes it on. `at_once`: the robot does not step to its feet first.
     """
 
     source: str
@@ -75,7 +74,7 @@ class Stop(Struct, frozen=True, kw_only=True):
 
 
 class EstopChanged(Struct, frozen=True, kw_only=True):
-    """The emergency stop was latched or reset, `by` whom."""
+    """The emergency stop was latched or reset, by the sender `by`."""
 
     engaged: bool
     reason: str = ""
@@ -83,10 +82,10 @@ class EstopChanged(Struct, frozen=True, kw_only=True):
 
 
 class Lease(Struct, Generic[M], frozen=True, kw_only=True):
-    """A live lease, what its holder asked for, and the motion that the kernel made of it.
+    """A live lease, its holder's request, and the kernel's motion for it.
 
-    `asked_s` is when that was asked, `renewed` when the newest that quoted the lease was (NaN: none yet), `changed` when
-    it was accepted. `offset_s` is the least that a remote sender's clock was seen to be behind ours.
+    `asked_s` is the time of the request, `renewed` that of the newest message with the lease (NaN: none yet), `changed`
+    that of the acceptance. `offset_s` is the smallest delay of a remote sender's clock against ours.
     """
 
     id: str
@@ -103,14 +102,14 @@ class Lease(Struct, Generic[M], frozen=True, kw_only=True):
 
 
 class PersistentSender(Struct, frozen=True, kw_only=True):
-    """A source that goes on sending motion when it should not; `how` describes that."""
+    """A source that goes on sending motion without permission; `how` describes that."""
 
     until: float
     how: str
 
 
 class Tally(Struct, frozen=True, kw_only=True):
-    """A budget for reports of a new holder: how many may be reported now, and how many were not."""
+    """A budget for reports of new holders: the number that may be reported now, and of those that were not."""
 
     budget: float = TELLINGS
     at: float = -inf
@@ -118,11 +117,11 @@ class Tally(Struct, frozen=True, kw_only=True):
 
 
 class LeaseTable(Struct, Generic[M], frozen=True, kw_only=True):
-    """Every lease on what moves. `offers` are leases that remote senders have yet to quote.
+    """All leases on a mover. `offers` are leases that remote senders have yet to quote.
 
-    Commands sent at or before `stopped` or `begun` begin nothing any more, nor those that had waited at their sender
-    since before one of `halts`; `stopped_by` is the sender, if it was a stop. `reason` is why it has no holder. A lease
-    lives for `ttl_s` if its ask says nothing, and is over up to `ahead_s` sooner, so that the motion is too.
+    Commands sent at or before `stopped` or `begun` begin nothing any more. The same holds for those that have waited at
+    their sender since before one of `halts`. `stopped_by` is the sender, if it was a stop. `reason` is why there is no
+    holder. A lease lives for `ttl_s` by default, and ends up to `ahead_s` sooner, so that the motion has ended by then.
     """
 
     phrasing: Phrasing
@@ -143,7 +142,7 @@ class LeaseTable(Struct, Generic[M], frozen=True, kw_only=True):
 
 
 class Ended(Struct, Generic[M], frozen=True, kw_only=True):
-    """A lease that is over, or an offer: those are not `held`, and moved nothing."""
+    """A lease or offer that is over; an offer is not `held`, and moved nothing."""
 
     lease: Lease[M]
     how: Ending
@@ -152,7 +151,7 @@ class Ended(Struct, Generic[M], frozen=True, kw_only=True):
 
 
 class Happened(Struct, frozen=True, kw_only=True):
-    """An event for people; `code` is the reason, `about` the sender whose motion it concerns."""
+    """An event for people; `code` is the reason, `about` the sender of the motion."""
 
     kind: str
     text: str
@@ -163,7 +162,7 @@ class Happened(Struct, frozen=True, kw_only=True):
 
 
 class Setpoint(Struct, frozen=True, kw_only=True):
-    """A setpoint for what moves."""
+    """A setpoint for a mover."""
 
     message: Struct
 
@@ -182,7 +181,7 @@ class Reply(Struct, frozen=True, kw_only=True):
 
 
 def first(phrasing: Phrasing, ttl_s: float, ahead_s: float = 0.0, *, began: float = -inf) -> "LeaseTable[M]":
-    """Return a table without a holder. Commands that were not sent after it `began` may have been stopped since, and
-    begin nothing."""
+    """Return a table without a holder. Commands sent before it `began` may have been stopped since, and begin
+    nothing."""
     idle, halts = Reason("idle", phrasing.idle), Halts(at=began)
     return LeaseTable(phrasing=phrasing, ttl_s=ttl_s, ahead_s=ahead_s, stopped=began, halts=halts, reason=idle)

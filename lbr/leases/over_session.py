@@ -1,4 +1,4 @@
-"""Asking for motion by a session on the bus, for programs that are no capability."""
+"""Requests for motion over a session on the bus, for programs that are not capabilities."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -16,9 +16,10 @@ from lbr.messages.leases import CommandReply
 
 @dataclass(frozen=True, slots=True)
 class OverSession:
-    """Asks by a session on the bus: `keys` says which key each request goes to.
+    """Asks over a session on the bus; `keys` maps requests to keys.
 
-    `origin`: who wants the motion, and since when; what was stopped by another since is not begun again.
+    `origin` is the user of the motion, with a time: a motion that somebody else has stopped since then does not begin
+    again.
     """
 
     session: Session

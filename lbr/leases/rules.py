@@ -29,7 +29,7 @@ def refusal(ask: Ask[M], trouble: Reason | None = None) -> Reason | None:
 
 
 def form(ask: Ask[M]) -> Reason | None:
-    """The life that is asked for is one, and the command has not lain about."""
+    """Check that the requested lifetime is valid, and that the command is not too old."""
     ttl_s = ask.request.ttl_s or 0.0
     if not (isfinite(ttl_s) and 0.0 <= ttl_s <= LONGEST_TTL_S):
         return Reason("bad_value", f"ttl_s {ttl_s:g} is outside 0 to {LONGEST_TTL_S:g}")
@@ -39,7 +39,7 @@ def form(ask: Ask[M]) -> Reason | None:
 
 
 def holder(ask: Ask[M]) -> Reason | None:
-    """One holder: a quoted lease must be the live one; without a lease it must be free, or is taken over."""
+    """Check the holder: a quoted lease must be the live one; otherwise the mover must be free, or is taken over."""
     leases, lease, owner = ask.leases, ask.leases.live, ask.quotes
     if ask.request.lease and not (owner is not None and ask.now < owner.expires):  # this way round, NaN means dead
         return not_live(leases, ask.request.lease)
@@ -56,7 +56,7 @@ def holder(ask: Ask[M]) -> Reason | None:
 
 
 def at_rest(ask: Ask[M], trouble: Reason | None = None) -> Reason | None:
-    """Nothing but standing still while the emergency stop is latched, or what would move it is in `trouble`."""
+    """Permit only to stand still while the emergency stop is latched, or while the mover is in `trouble`."""
     if not ask.request.moves:
         return None
     if ask.leases.estop:
@@ -81,7 +81,7 @@ def latched(leases: LeaseTable[M]) -> Reason:
 
 
 def _not_fresh(ask: Ask[M]) -> Reason | None:
-    """Return a reason if a command is too old to move anything. To stand still is never too old."""
+    """Return a reason if a command is too old to move anything. Standing still is never too old."""
     request = ask.request
     if not request.moves:
         return None
@@ -94,7 +94,7 @@ def _not_fresh(ask: Ask[M]) -> Reason | None:
 
 
 def _not_own(ask: Ask[M]) -> Reason | None:
-    """A lease dates the commands of its own sender; another's clock proves nothing, nor does a lease that was overheard."""
+    """Check the sender: another sender's clock proves nothing, nor does a lease that it has overheard."""
     owner, request = ask.quotes, ask.request
     if owner is None or not (request.remote and request.source != owner.source and request.moves):
         return None
@@ -108,10 +108,10 @@ def _held(lease: Lease[M], source: str) -> Reason:
 
 
 def _waited(ask: Ask[M]) -> Reason | None:
-    """Refuse what was typed or written before another stopped the robot, however late it is sent.
+    """Refuse a command that was typed or written before somebody else stopped the robot, however late it is sent.
 
-    A sender's own stops are meant in their order, whoever passes them or its commands on. Its sender's clock alone
-    measures its wait, so that the clocks of two machines are never compared.
+    A sender's own stops keep their order, whoever passes them or its commands on. Only the sender's clock measures its
+    wait, so that the clocks of two machines are never compared.
     """
     request = ask.request
     if ask.leases.estop or not request.moves or request.waited_s == 0.0:
@@ -123,28 +123,28 @@ def _waited(ask: Ask[M]) -> Reason | None:
 
 
 def _order(ask: Ask[M], lease: Lease[M]) -> Reason | None:
-    """Refuse what quotes a lease a second time, or after something newer; standing still always counts."""
+    """Refuse a message that was not sent after the newest one with its lease; standing still always counts."""
     if not ask.request.moves:
         return None
-    newest = max(lease.asked_s, lease.renewed)  # this way round, NaN is no renewal yet
+    newest = max(lease.asked_s, lease.renewed)  # this way round, NaN is not a renewal yet
     return None if ask.sent > newest else TWICE
 
 
 def persists(leases: LeaseTable[M], source: str, now: float) -> str:
-    """Return how a source has been sending motion that it should not, until just now; or nothing."""
+    """Return how a source has been sending motion without permission, until just now; or an empty text."""
     found = leases.persistent.get(source) or leases.persistent.get(EVERYBODY)
     return "" if found is None or now >= found.until else found.how
 
 
 def note_persistent(leases: LeaseTable[M], source: str, how: str, now: float) -> LeaseTable[M]:
-    """Remember who goes on sending, so that the end of what stopped them by itself moves nothing."""
+    """Note a source that goes on sending, so that it moves nothing when its obstacle disappears by itself."""
     recent = {name: found for name, found in leases.persistent.items() if not now >= found.until}
     known = source if source in recent or len(recent) < MOST_PERSISTENT else EVERYBODY
     return replace(leases, persistent={**recent, known: PersistentSender(until=now + PERSISTENT_S, how=how)})
 
 
 def forget_persistent(leases: LeaseTable[M], source: str) -> LeaseTable[M]:
-    """Take a source's word that it has come to rest."""
+    """Note a source's report that it has come to rest."""
     if source not in leases.persistent:
         return leases
     return replace(leases, persistent={name: found for name, found in leases.persistent.items() if name != source})

@@ -1,1 +1,1 @@
-"""Every message type, by family: what may travel on the bus, with units and bounds in the types."""
+"""Every message type, by family: the content of the bus, with units and bounds in the types."""

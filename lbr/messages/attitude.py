@@ -1,4 +1,4 @@
-"""Messages on `attitude/*`: how the robot lies and where it looks, and the calibration of its compass."""
+"""Messages on `attitude/*`: the orientation of the robot's body, and the calibration of its compass."""
 
 from typing import Annotated, Literal
 

@@ -1,4 +1,4 @@
-"""Messages on `beacon/*`: manoeuvres by the beams of a charging dock, and how they go."""
+"""Messages on `beacon/*`: manoeuvres by the beams of a charging dock, and their progress."""
 
 from typing import Literal
 

@@ -1,4 +1,4 @@
-"""Messages and rows of `behaviour/*`: state tables that anyone can write, and how far the robot is in one."""
+"""Messages and rows of `behaviour/*`: state tables that anyone can write, and the robot's progress in one."""
 
 from typing import Annotated, Literal
 
@@ -9,17 +9,21 @@ from lbr.messages.rows import Row
 from lbr.messages.units import Name, StepNumber
 
 MOST_ROWS = 4000
-"""Of one table; a thousand states of four rows each are more than a spreadsheet is read in."""
+"""Of one table: a thousand states of four rows each, which is too long for a spreadsheet."""
 LONGEST_CELL = 300
 LARGEST_FILE = 45_000
-"""Bytes of a file that goes to the robot as a command: with base64 it fits into one. `lbr behaviour import` takes
-larger ones."""
+"""In bytes, for a file that is sent to the robot as a command: with base64 it fits into one.
+
+`lbr behaviour import` accepts larger ones.
+"""
 StateName = Annotated[str, Meta(max_length=80)]
 Cell = Annotated[str, Meta(max_length=LONGEST_CELL)]
 Heading = Annotated[str, Meta(min_length=1, max_length=80)]
 RowType = Literal["", "start", "end", "fail", "entry", "#"]
-"""The kind of a row of a table: an alternative of its state, also in the state where the table starts; an end, good or
-bad; an action on entering the state; a comment."""
+"""The kind of a row of a table. Empty: an alternative of its state. `start`: the same, in the first state.
+
+`end`, `fail`: a good or bad end. `entry`: an action on entering the state. `#`: a comment.
+"""
 
 
 class BehaviourTable(Row, frozen=True, kw_only=True):
@@ -72,7 +76,7 @@ class RunBehaviour(Struct, frozen=True, kw_only=True):
 
 
 class NamedBehaviour(Struct, frozen=True, kw_only=True):
-    """Show a table; without a name the one that runs, or ran last."""
+    """Show a table; without a name, the one that runs or ran last."""
 
     name: Annotated[str, Meta(max_length=40)] = ""
 
@@ -155,7 +159,7 @@ class BehaviourTables(Struct, frozen=True, kw_only=True):
 
 
 class CheckBehaviour(Struct, frozen=True, kw_only=True):
-    """Report what would be wrong with a table of this name and these rows; nothing is kept."""
+    """Report the problems of a table with this name and these rows; nothing is kept."""
 
     name: Name
     rows: tuple[BehaviourRow, ...]

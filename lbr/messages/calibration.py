@@ -1,4 +1,4 @@
-"""Numbers measured on one device, written back by the capability that measured them."""
+"""Numbers measured on one device, written by the capability that measured them."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import UTC, datetime
@@ -24,17 +24,17 @@ class CalibrationValue(Row, frozen=True, kw_only=True):
 
     @property
     def full_name(self) -> str:
-        """Return whose it is: the many numbers of one measurement are told once."""
+        """Return the device's name: the numbers of one measurement are reported together."""
         return f"calibration of '{self.device}'"
 
 
 def values(rows: Iterable[CalibrationValue]) -> dict[str, float]:
-    """Return the numbers by their names."""
+    """Return the numbers by name."""
     return {row.name: row.value for row in rows}
 
 
 def measured(device: str, found: Mapping[str, float]) -> Iterator[CalibrationValue]:
-    """Yield a row for each number that was measured on a device now."""
+    """Yield a row for each number that has just been measured on a device."""
     now = datetime.now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
     for name, value in found.items():
         yield CalibrationValue(device=device, name=name, value=value, measured_at=now)

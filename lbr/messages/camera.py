@@ -17,7 +17,7 @@ class JpegFrame(Struct, frozen=True):
 
 
 class CameraState(Struct, frozen=True, kw_only=True):
-    """The state of a camera. Off: its device is closed, and nothing sees through it.
+    """The state of a camera. Off: its device is closed.
 
     Width, height and rate are those of its pictures. `dropped`: broken, too large, or overtaken by a newer one.
     `rests`: without a viewer, at two pictures a second.
@@ -48,7 +48,7 @@ class SnapshotCommand(Struct, frozen=True, kw_only=True):
 
 
 class SnapshotReply(Struct, frozen=True, kw_only=True):
-    """Where it is."""
+    """The file of the picture."""
 
     accepted: bool
     reason: str = ""
@@ -63,7 +63,7 @@ class SelectCommand(Struct, frozen=True, kw_only=True):
 
 
 class CamerasState(Struct, frozen=True, kw_only=True):
-    """Which camera is on, and how each is."""
+    """The camera that is on, and the state of each."""
 
     selected: str
     cameras: dict[str, CameraState]

@@ -1,7 +1,7 @@
-"""Why something was refused, ended or lost, as a code: programs read the code, people read the sentence beside it.
+"""The codes of refusals, ends and losses: programs read the code, people read the sentence beside it.
 
-A code never changes its meaning; new ones are added. So that an older program reads a newer robot, messages carry codes
-as plain strings, and a program treats one that it does not know like `refused` or `failed`.
+A code never changes its meaning; new ones may be added. Messages carry codes as plain strings, so that an older program
+reads a newer robot. A program treats an unknown code like `refused` or `failed`.
 """
 
 from typing import Annotated, Literal
@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 ReasonCode = Annotated[str, Meta(description="why, from the list of codes; empty: nothing to tell")]
-"""A code as messages carry it."""
+"""A code in messages."""
 
 Code = Literal[
     "done",
@@ -126,13 +126,14 @@ MEANINGS: dict[Code, str] = {
     "failed": "it went wrong; the sentence says how",
     "refused": "refused, for a reason without a code of its own",
 }
-"""The documented list: every code, and what it means."""
+"""The documented list: every code with its meaning."""
 
 
 class Reason(Struct, frozen=True):
-    """A reason: its code, the sentence for people, and the cause where two things are told.
+    """A reason: its code, the sentence for people, and the cause if there are two facts.
 
-    `note` is the rest of the sentence by itself, for programs that pass it on. `holder` has what is held.
+    `note` is the rest of the sentence by itself, for programs that pass it on. `holder` is the holder of the requested
+    part.
     """
 
     code: Code
@@ -146,5 +147,5 @@ class Reason(Struct, frozen=True):
 
 
 def heard(code: str, text: str, cause: str = "", note: str = "", holder: str = "") -> Reason:
-    """Return a reason as a message told it; a code that is not on the list, or none, is `failed`."""
+    """Return a reason from a message's fields; an unknown or empty code becomes `failed`."""
     return Reason(code if code in MEANINGS else "failed", text, cause, note, holder)

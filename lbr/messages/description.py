@@ -1,5 +1,4 @@
-"""The description of a robot: its capabilities with the schemas of their messages, its words, and rows that people look
-at."""
+"""The description of a robot: its capabilities with their messages' schemas, its words, and the rows for people."""
 
 from typing import Any
 
@@ -9,11 +8,11 @@ from lbr.messages.kinematics import BaseKind
 from lbr.messages.system import Role
 
 Schema = dict[str, Any]
-"""A JSON Schema; empty where a program says nothing of its messages."""
+"""A JSON Schema; empty for a program without message types."""
 
 
 class CommandDescription(Struct, frozen=True, kw_only=True):
-    """A command: its message, the least role that may ask for it, and whether it is held by a lease."""
+    """A command: its message, its least role, and whether it is held by a lease."""
 
     schema: Schema
     role: Role
@@ -21,8 +20,7 @@ class CommandDescription(Struct, frozen=True, kw_only=True):
 
 
 class CapabilityDescription(Struct, frozen=True, kw_only=True):
-    """A capability that runs: what it is, the streams that it publishes under its own name, and what it can be
-    asked."""
+    """A running capability: its kind, the streams under its own name, and its commands."""
 
     name: str
     kind: str
@@ -33,7 +31,7 @@ class CapabilityDescription(Struct, frozen=True, kw_only=True):
 
 
 class BaseDescription(Struct, frozen=True, kw_only=True):
-    """The twists of a base: which capability takes them, whether it goes sideways too, its greatest speeds and power."""
+    """The twists of a base: the capability that accepts them, sideways motion, and the greatest speeds and power."""
 
     capability: str
     kind: BaseKind
@@ -44,10 +42,10 @@ class BaseDescription(Struct, frozen=True, kw_only=True):
 
 
 class RobotDescription(Struct, frozen=True, kw_only=True):
-    """A robot as of the revision of its rows: what changes meanwhile is in its status.
+    """A robot at a revision of its rows; its status has the values that change meanwhile.
 
-    `words` are the console's, as `help` has them; `wheels`, `ranges` and `phrases` the rows of those tables; `base`
-    follows from `kinematics`, `wheel` and the settings of what drives, null without that.
+    `words` are the console's, as in `help`; `wheels`, `ranges` and `phrases` are the rows of those tables. `base` is
+    computed from `kinematics`, `wheel` and the drive's settings; null without a drive.
     """
 
     robot: str

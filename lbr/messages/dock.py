@@ -4,7 +4,7 @@ from msgspec import Struct
 
 
 class DockSignal(Struct, frozen=True, kw_only=True):
-    """The dock's beams that are seen, each for the driver's time to live; ages since each was last seen, null: never."""
+    """The visible beams of the dock, each for the driver's time to live, and the ages of all, null: never seen."""
 
     left: bool
     right: bool
@@ -15,7 +15,7 @@ class DockSignal(Struct, frozen=True, kw_only=True):
 
 
 class DockHeard(Struct, frozen=True, kw_only=True):
-    """Another program has seen a beam, now."""
+    """Another program sees a beam now."""
 
     left: bool = False
     right: bool = False

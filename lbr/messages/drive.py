@@ -1,4 +1,4 @@
-"""Messages on `drive/*`: what moves the base, and what the base says back."""
+"""Messages on `drive/*`: commands for the base, and its state."""
 
 from typing import Literal
 
@@ -75,8 +75,8 @@ class TwistCommand(Struct, frozen=True, kw_only=True):
 class GoalResult(Struct, frozen=True, kw_only=True):
     """The end of a bounded move or a turn. `reached` and `interval` are the planned ends; all others carry a reason.
 
-    `code`: why it ended. `cause`: what a program should know besides. `note`: the same for people. `error_deg`: turned
-    past the target, clockwise positive. `error_m`: the same of a distance.
+    `code`: why it ended. `cause`: a second code for programs. `note`: the same for people. `error_deg`: turned past the
+    target, clockwise positive. `error_m`: the same of a distance.
     """
 
     goal: str
@@ -94,7 +94,7 @@ class GoalResult(Struct, frozen=True, kw_only=True):
 
 
 class LoopStatistics(Struct, frozen=True, kw_only=True):
-    """The fixed-rate loop over the last second or so, in milliseconds."""
+    """The fixed-rate loop in the last second or so, in milliseconds."""
 
     rate_hz: float
     period_p99_ms: float
@@ -131,7 +131,7 @@ class DriveState(Struct, frozen=True, kw_only=True):
 
 
 class CheckRequest(Struct, frozen=True, kw_only=True):
-    """A motion command before it is accepted, for a check of the user's own.
+    """A motion command before it is accepted, for a user's own check.
 
     `command`: the motion; of a turn its first spin, of a `twist` the nearest power and angle.
     """

@@ -37,7 +37,7 @@ class Motor(Row, frozen=True, kw_only=True):
 
     @property
     def full_name(self) -> str:
-        """Which servo of which layer."""
+        """Return the servo and its layer."""
         return f"motor {self.id} of layer '{self.layer}'"
 
 
@@ -56,15 +56,15 @@ class Button(Row, frozen=True, kw_only=True):
 
     @property
     def full_name(self) -> str:
-        """Return which number."""
+        """Return the number."""
         return f"button {self.id}"
 
 
 class EditCommand(Struct, frozen=True, kw_only=True):
     """Write these rows, by table, all or none; equal keys replace. Built-in rows stay.
 
-    The asker's kind names the tables in `edits`. Parts of a row, such as key frames, come with it and replace all that
-    it had. `create`: each row is new; otherwise each exists. `revision`: only if none has changed since. `by`: the
+    The sender's kind names the tables in `edits`. Parts of a row, such as key frames, come with it and replace its old
+    parts. `create`: each row is new; otherwise each exists. `revision`: only if none has changed since. `by`: the
     person behind it.
     """
 
@@ -75,7 +75,7 @@ class EditCommand(Struct, frozen=True, kw_only=True):
 
 
 class EditReply(Struct, frozen=True, kw_only=True):
-    """The result of an edit. `revision`: the newest in force, also after a refusal."""
+    """The result of an edit. `revision`: the newest in force, even after a refusal."""
 
     accepted: bool
     reason: str = ""

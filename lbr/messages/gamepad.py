@@ -1,4 +1,4 @@
-"""Messages on `gamepad/*` and `teleop/*`: what is held on a gamepad, and what that does to the robot."""
+"""Messages on `gamepad/*` and `teleop/*`: the input of a gamepad, and its effect on the robot."""
 
 from typing import Annotated, Literal
 
@@ -13,8 +13,11 @@ Button = Literal[
     "dpad_up", "dpad_down", "dpad_left", "dpad_right",
     "trigger", "thumb", "thumb2", "top", "top2", "pinkie", "base", "base2", "base3", "base4", "base5", "base6",
 ]  # fmt: skip
-"""As Linux calls them (BTN_A, BTN_TL …): `tl` and `tr` are the shoulders, `trigger` to `base6` are what pads without a
-layout of their own number from 1."""
+"""The names of Linux (BTN_A, BTN_TL …).
+
+`tl` and `tr` are the shoulders; `trigger` to `base6` are the numbered buttons, from 1, of pads without a layout of
+their own.
+"""
 Link = Literal["usb", "bluetooth", "other"]
 Way = Annotated[float, Meta(ge=-1.0, le=1.0, description="-1 to 1 to the right and up; a trigger 0 to 1")]
 

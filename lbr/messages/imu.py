@@ -1,4 +1,4 @@
-"""Messages on `imu/*`: what an inertial unit measures."""
+"""Messages on `imu/*`: the readings of an inertial unit."""
 
 from msgspec import Struct
 
@@ -25,4 +25,4 @@ class ImuSample(Struct, frozen=True, kw_only=True):
 
 
 class ZeroCommand(Struct, frozen=True, kw_only=True):
-    """Take the gyro's zero again; keep the robot still for two seconds."""
+    """Measure the gyro's zero again; keep the robot still for two seconds."""

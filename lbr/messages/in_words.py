@@ -1,4 +1,4 @@
-"""The bounds of a text, in words: the sender of another reads them instead of the regular expression."""
+"""The bounds of a text, in words: people read them instead of the regular expression."""
 
 from lbr.messages.shapes import NAME
 from lbr.messages.units import FILE_STEM, FILE_STEM_PATTERN, NAME_OR_NONE_PATTERN, NAME_PATTERN
@@ -11,7 +11,7 @@ MEANT = {
 
 
 def in_words(said: str) -> str:
-    """Return what msgspec says against a value, with words for the expressions that are known."""
+    """Return msgspec's objection to a value, with words for the known expressions."""
     for pattern, meant in MEANT.items():
         said = said.replace(f"`str` matching regex {pattern!r}", meant)
     return said

@@ -1,4 +1,4 @@
-"""Messages on `joints/*` and `motions/*`: what moves a humanoid, and what its joints say back."""
+"""Messages on `joints/*` and `motions/*`: commands for a humanoid, and the state of its joints."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, Any, Literal
@@ -35,7 +35,7 @@ def _servo_of(joint: "Joint") -> tuple[str, int]:
 
 def _servo(row: "Joint", others: Others) -> Iterator[Fault]:
     known = others.index(Joint, _servo_of)
-    first = known.get(("", row.device_id)) or known[_servo_of(row)]  # one that names no bus is on every one
+    first = known.get(("", row.device_id)) or known[_servo_of(row)]  # a row without a bus name applies to every bus
     if first.name != row.name:
         yield "device_id", f"servo {row.device_id} moves joint '{first.name}' already"
 
@@ -94,7 +94,7 @@ class KeyFrame(Struct, frozen=True, kw_only=True):
 
 
 def motion_there(row: Any, others: Others) -> Iterator[Fault]:
-    """Check that the motion that a row names, if it names one, is there."""
+    """Check that the motion named in a row exists."""
     if row.motion and row.motion not in others.names("motion"):
         yield "motion", f"there is no motion '{row.motion}'"
 
@@ -130,8 +130,7 @@ class MotionRow(Row, frozen=True, kw_only=True):
     builtin: Annotated[bool, "changed here only, not from the network"] = False
 
     def refusal(self, before: Mapping[str, object] | None, parts: Sequence[Row]) -> tuple[str, Code] | None:
-        """Return why an edit on another's behalf may not write it: what the controller keeps is entered at the
-        robot."""
+        """Return why a capability's edit may not write it: motions in the controller are entered at the robot."""
         if why := super().refusal(before, parts):
             return why
         if (self.slot, self.slot_s, self.limp) != (None, None, False):
@@ -180,7 +179,7 @@ class MotionStep(Row, frozen=True, kw_only=True):
 
     @property
     def full_name(self) -> str:
-        """Which key frame of which motion."""
+        """Return the key frame and its motion."""
         return f"key frame {self.step} of '{self.motion}'"
 
 
@@ -199,12 +198,12 @@ class Motion(Struct, frozen=True, kw_only=True):
 
     @property
     def row(self) -> MotionRow:
-        """Its row without the key frames."""
+        """Return its row without the key frames."""
         return MotionRow(**{field: getattr(self, field) for field in MotionRow.__struct_fields__})
 
     @property
     def rows(self) -> tuple[Row, ...]:
-        """Its row, and those of its key frames, counted from 1."""
+        """Return its row, and those of its key frames, counted from 1."""
         steps = (
             MotionStep(
                 motion=self.name,

@@ -1,4 +1,4 @@
-"""The wheels of a base as rows, and what follows from them: from a twist to the speed of each motor, and back.
+"""The wheels of a base as rows, and its kinematics: from a twist to the speed of each motor, and back.
 
     twist (vx, vy, wz) ── Base.speeds ──► speed of each motor at its wheels' rims        inverse kinematics
     way or speed of each motor ── Base.twist ──► twist                                   forward kinematics
@@ -21,9 +21,9 @@ BaseKind = Literal["differential", "skid", "mecanum", "omni"]
 HOLONOMIC = frozenset({"mecanum", "omni"})
 """Kinds of bases that can move sideways."""
 TWO = ("left", "right")
-"""The motors of a base without rows, whose powers have fields of their own in messages."""
+"""The motors of a base without rows: their powers have fields of their own in messages."""
 ALIKE = 1e-6
-"""Wheels on one motor may ask for speeds that differ by so much: rounding of what people type."""
+"""The tolerance between the speeds of wheels on one motor, for numbers that people have rounded."""
 SINGULAR = 1e-9
 Place = Annotated[float, Meta(ge=-5.0, le=5.0)]
 
@@ -44,8 +44,8 @@ class Base(Struct, frozen=True, kw_only=True):
     """The motion of a base by its wheels. The orders of `per_twist`, `per_speed` and `diameters_m` are that of
     `motors`.
 
-    A motor's speed is its `per_twist` times vx, vy and wz; each motor's share in the twist is its `per_speed` times its
-    speed. `track_m` is such that, in a spin, the fastest wheel runs at wz times half of it.
+    A motor's speed is its `per_twist` times vx, vy and wz; its share in the twist is its `per_speed` times its speed.
+    `track_m` is twice the speed of the fastest wheel in a spin of 1 rad/s.
     """
 
     kind: BaseKind
@@ -70,25 +70,25 @@ class Base(Struct, frozen=True, kw_only=True):
         return tuple(x * twist.vx_mps + y * twist.vy_mps + w * twist.wz_rps for x, y, w in self.per_twist)
 
     def twist(self, speeds: Sequence[float]) -> Twist:
-        """Return the twist that fits the motors' speeds best; of ways instead of speeds, how far it came and turned."""
+        """Return the twist that best fits the motors' speeds; for distances instead of speeds, distance and turn."""
         shares = list(zip(self.per_speed, speeds, strict=True))
         vx, vy, wz = (sum(share[axis] * speed for share, speed in shares) for axis in range(3))
         return Twist(vx_mps=vx, vy_mps=vy, wz_rps=wz)
 
     def powers(self, left: float, right: float, aside: float) -> tuple[float, ...]:
-        """Return each motor's power for those of the two sides and sideways, all as fractions of the same speed."""
+        """Return each motor's power from those of the two sides and sideways, all as fractions of the same speed."""
         if self.two:
             return left, right
         return self.speeds(Twist(vx_mps=(left + right) / 2, vy_mps=aside, wz_rps=(right - left) / self.track_m))
 
     def sides(self, speeds: Sequence[float]) -> tuple[float, float, float]:
-        """Return what the motors' speeds or powers are for the two sides and sideways."""
+        """Return the speeds or powers of the two sides and sideways from those of the motors."""
         twist = self.twist(speeds)
         turn = twist.wz_rps * self.track_m / 2
         return twist.vx_mps - turn, twist.vx_mps + turn, twist.vy_mps
 
     def fitting(self, left: float, right: float, aside: float, most: float) -> float:
-        """Return by how much all has to be slowed down for no motor to get more than `most`; NaN and infinity: 0."""
+        """Return the factor by which all must be slowed down so that no motor exceeds `most`; NaN and infinity: 0."""
         powers = (left, right, aside, *self.powers(left, right, aside))
         if not all(map(isfinite, powers)):
             return 0.0
@@ -152,7 +152,7 @@ class Kinematics(Row, frozen=True, kw_only=True):
 
 
 def differential(track_m: float) -> Base:
-    """Return a base with two driven wheels, so far apart."""
+    """Return a base with two driven wheels, `track_m` apart."""
     half = track_m / 2
     wheels = (
         Wheel(name="left", motor="left", y_m=half, diameter_m=1.0),
@@ -162,7 +162,7 @@ def differential(track_m: float) -> Base:
 
 
 def base_of(rows: Iterable[Kinematics], wheels: Iterable[Wheel], track_m: float) -> Base:
-    """Return the base that rows describe; without rows one with two driven wheels, `track_m` apart."""
+    """Return the base of these rows; without rows, one with two driven wheels, `track_m` apart."""
     row = next(iter(rows), None)
     if row is None:
         return differential(track_m)
@@ -173,7 +173,7 @@ def base_of(rows: Iterable[Kinematics], wheels: Iterable[Wheel], track_m: float)
 
 
 def trouble_of(kind: BaseKind, wheels: Sequence[Wheel], track_factor: float) -> str:
-    """Return why these wheels are no base of this kind and what to do, or nothing."""
+    """Return why these wheels are not a base of this kind, with the cure; empty if they are."""
     if not wheels:
         return "there is no row of wheel: add one for each driven wheel, or drop this row"
     for wheel in wheels:
@@ -187,7 +187,7 @@ def trouble_of(kind: BaseKind, wheels: Sequence[Wheel], track_factor: float) -> 
 
 
 def _uneven(wheels: Sequence[Wheel], track_factor: float) -> str:
-    """Return which wheels on one motor would have to turn at different speeds, or nothing."""
+    """Return the wheels on one motor that would have to turn at different speeds, or an empty text."""
     first: dict[str, Wheel] = {}
     for wheel in wheels:
         other = first.setdefault(wheel.motor, wheel)
@@ -201,7 +201,7 @@ def _uneven(wheels: Sequence[Wheel], track_factor: float) -> str:
 
 
 def _too_few(kind: BaseKind, wheels: Sequence[Wheel], track_factor: float) -> str:
-    """Return why the motors do not make all motions of such a base, or nothing."""
+    """Return why the motors cannot make all motions of such a base, or an empty text."""
     motors = {wheel.motor: copysign(1.0, wheel.y_m) for wheel in wheels}
     if kind in HOLONOMIC:
         if _solved(kind, [_rolls(wheel, track_factor) for wheel in wheels]) is None:
@@ -233,8 +233,8 @@ def _base(kind: BaseKind, wheels: Iterable[Wheel], track_factor: float) -> Base:
 def _rolls(wheel: Wheel, track_factor: float) -> Vector:
     """Return how fast a wheel rolls for each of vx, vy and wz.
 
-    The floor moves under the wheel by (vx - wz y, vy + wz x). Rollers let it slide along their own direction, so that
-    only what is across that counts (Lynch and Park, Modern Robotics, 13.2).
+    The floor moves under the wheel by (vx - wz y, vy + wz x). Rollers let it slide along their own direction, so only
+    the component across it counts (Lynch and Park, Modern Robotics, 13.2).
     """
     along = wheel.yaw_rad + wheel.roller_rad
     ahead, aside = cos(along) / cos(wheel.roller_rad), sin(along) / cos(wheel.roller_rad)
@@ -242,7 +242,7 @@ def _rolls(wheel: Wheel, track_factor: float) -> Vector:
 
 
 def _solved(kind: BaseKind, per_twist: Sequence[Vector]) -> tuple[Vector, ...] | None:
-    """Return each motor's share in the twist that fits all speeds best; None where they do not say it."""
+    """Return each motor's share in the twist that fits all speeds best; None if they do not determine it."""
     axes = (0, 1, 2) if kind in HOLONOMIC else (0, 2)
     normal = [[sum(row[a] * row[b] for row in per_twist) for b in axes] for a in axes]
     inverse = _inverted(normal)

@@ -14,15 +14,16 @@ LeaseId = Annotated[
 
 
 STOPPED_SINCE = "stopped since this was written: "
-"""The beginning of a refusal of a command that waited at its sender until another stopped its target.
-"""
+"""The beginning of a refusal of a command that waited at its sender until somebody else stopped its target."""
 
 
 class StopCommand(Struct, frozen=True, kw_only=True):
     """Stop, whichever sender holds the robot; ends every goal, observer and timer.
 
-    `lost`: the sender of the motion is gone; from the holder, like a lapsed lease. `whole`: the robot stands still, with all that waits elsewhere. `by`: the original sender; by several ways it is one stop. `own`: the sender gives up its own request; no stop to others. `at_once`: joints hold where they
-    are, without a step to their feet.
+    `lost`: the sender of the motion is gone; from the holder, like a lapsed lease. `whole`: the robot stands still, and
+    waiting commands everywhere are dropped. `by`: the original sender; stops by several ways count as one. `own`: the
+    sender gives up its own request; it does not stop others. `at_once`: joints hold where they are, without a step to
+    their feet.
     """
 
     reason: Annotated[str, Meta(max_length=200)] = ""
@@ -33,7 +34,7 @@ class StopCommand(Struct, frozen=True, kw_only=True):
     at_once: bool = False
 
     def __post_init__(self) -> None:
-        """Have the reason be one line, also from a foreign client: it is told to the stopped sender."""
+        """Turn the reason into one line, as a foreign client may have sent it: the stopped sender reads it."""
         force_setattr(self, "reason", one_line(self.reason))
         force_setattr(self, "by", one_line(self.by))
 
@@ -41,7 +42,7 @@ class StopCommand(Struct, frozen=True, kw_only=True):
 class CommandReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
     """The answer to a command: accepted, with its lease; or refused, with the reason.
 
-    `cause`: how a dead lease ended. `note`: its sentence. `holder`: who holds what was asked for.
+    `cause`: how a dead lease ended. `note`: its sentence. `holder`: the holder of the requested part.
     """
 
     accepted: bool
@@ -56,7 +57,7 @@ class CommandReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
 
     @property
     def why(self) -> Reason:
-        """Return why it was refused; of a dead lease, how that one ended."""
+        """Return why it was refused; for a dead lease, how that one ended."""
         text = self.note or self.reason or "it was refused without a reason"
         return heard(self.cause or self.code, text, holder=self.holder)
 

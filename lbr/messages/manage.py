@@ -1,5 +1,4 @@
-"""Messages by which people look at a robot's rows, tokens and logs, and change rows, from a page. Values are as JSON
-has them."""
+"""Messages of pages for people: to look at a robot's rows, tokens and logs, and to change rows. Values are JSON."""
 
 from typing import Annotated, Any, Literal
 
@@ -15,7 +14,7 @@ Asker = Annotated[str, Meta(max_length=80, description="who asks, for events and
 
 
 class RowChange(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """One row: `before` as it was when it was looked at, null for a new one; `after` as it is to be, null to delete it.
+    """One row: `before` as it was read, null for a new row; `after` as it shall be, null to delete it.
 
     A column that `after` leaves out stays as it is, or has its default.
     """
@@ -26,13 +25,13 @@ class RowChange(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class LookAtRows(Struct, frozen=True, kw_only=True, tag_field="ask", tag="rows"):
-    """Tell which tables there are, or one of them with its rows and their schema."""
+    """List the tables, or one of them with its rows and their schema."""
 
     table: TableName = ""
 
 
 class ChangeRows(Struct, frozen=True, kw_only=True, tag_field="ask", tag="change"):
-    """Change rows, all or none; without `write` only tell what that would do."""
+    """Change rows, all or none; without `write`, only report the effects."""
 
     changes: Annotated[list[RowChange], Meta(min_length=1, max_length=MOST_CHANGES)]
     write: bool = False
@@ -40,32 +39,31 @@ class ChangeRows(Struct, frozen=True, kw_only=True, tag_field="ask", tag="change
 
 
 class UndoRows(Struct, frozen=True, kw_only=True, tag_field="ask", tag="undo"):
-    """Take a change of rows back: the one of the same asker that ended with this revision."""
+    """Undo a change of rows: the one of the same sender that ended with this revision."""
 
     revision: Annotated[int, Meta(ge=1)]
     by: Asker = ""
 
 
 class LookAtTokens(Struct, frozen=True, kw_only=True, tag_field="ask", tag="tokens"):
-    """Tell which tokens there are, without what proves them."""
+    """List the tokens, without their secrets."""
 
 
 class RevokeToken(Struct, frozen=True, kw_only=True, tag_field="ask", tag="revoke"):
-    """Take a token's rights away."""
+    """Revoke a token."""
 
     name: Annotated[str, Meta(max_length=64)]
     by: Asker = ""
 
 
 class LookAtLog(Struct, frozen=True, kw_only=True, tag_field="ask", tag="log"):
-    """Tell the end of what a capability has written to its log."""
+    """Return the end of a capability's log."""
 
     name: Annotated[str, Meta(max_length=64)]
 
 
 class LookAtEvents(Struct, frozen=True, kw_only=True, tag_field="ask", tag="events"):
-    """Tell the newest events that were written down, the newest first: of one capability, or from a level on, if so
-    asked."""
+    """Return the newest stored events, the newest first; optionally of one capability, or from a level on."""
 
     subject: Annotated[str, Meta(max_length=80)] = ""
     level: Literal["info", "warning", "error"] = "info"
@@ -73,8 +71,7 @@ class LookAtEvents(Struct, frozen=True, kw_only=True, tag_field="ask", tag="even
 
 
 class LookAtDevices(Struct, frozen=True, kw_only=True, tag_field="ask", tag="devices"):
-    """Look at what is plugged in, ask each what it is, and tell the changes of rows that would have the robot use
-    it."""
+    """Find the plugged-in devices, identify each, and return the changes of rows with which the robot uses it."""
 
 
 ManageCommand = (
@@ -92,7 +89,7 @@ class RowProblem(Struct, frozen=True, kw_only=True):
 
 
 class Touched(Struct, frozen=True, kw_only=True):
-    """The processes that a change of rows starts, stops, restarts, or tells of more devices."""
+    """The processes that a change of rows starts, stops or restarts, or that receive more devices."""
 
     start: tuple[str, ...] = ()
     stop: tuple[str, ...] = ()
@@ -101,10 +98,10 @@ class Touched(Struct, frozen=True, kw_only=True):
 
 
 class ManageReply(Struct, frozen=True, kw_only=True):
-    """The result: `data` is what was looked at, `touched` the effect of a change; `problems` are in its way.
+    """The result: `data` is the requested content, `touched` the effect of a change; `problems` prevent it.
 
-    Of a row that was changed meanwhile, `changed_by` says who did it, empty for a program that edits the database, and
-    `changed_at` when.
+    For a row that was changed meanwhile, `changed_by` is the author, empty for a program that edits the database, and
+    `changed_at` the time.
     """
 
     accepted: bool

@@ -9,19 +9,17 @@ from lbr.messages.joints import MAX_FRAMES, Interpolation, Joint, JointRad, KeyF
 from lbr.messages.units import Name
 
 LONGEST_CHECK_S = 600.0
-"""Of a motion: what lasts longer is checked in parts."""
+"""Of a motion: a longer one is checked in parts."""
 Frames = Annotated[tuple[KeyFrame, ...], Meta(min_length=1, max_length=MAX_FRAMES)]
 Millimetres = tuple[int, int]
 
 
 class BalanceSample(Struct, frozen=True, kw_only=True):
-    """The posture at a time, the world's axes turned to its first heading; millimetres from the first place of its
-    feet.
+    """The posture at a time, in millimetres from the first place of its feet, along its first heading.
 
-    `tilt_rad` is how far the trunk leans from how it stands, `mass` where the centre of mass is above the floor,
-    `pressure` the middle of what presses on the floor, `support` the corners around all that touches it. `margin_mm` is
-    how far `mass` is within them, negative outside; null where nothing touches the floor. `frame` counts from 1; 0: in
-    what leads in.
+    `tilt_rad` is the lean of the trunk against its stance. `mass` is the projection of the centre of mass on the floor,
+    `pressure` the centre of pressure. `support` are the corners of the support polygon. `margin_mm` is the distance of
+    `mass` inside it, negative outside; null if nothing touches the floor. `frame` counts from 1; 0: in the lead-in.
     """
 
     t_s: float
@@ -38,8 +36,8 @@ class BalanceSample(Struct, frozen=True, kw_only=True):
 class BalanceReport(Struct, frozen=True, kw_only=True):
     """The verdict on a motion: does it leave the simulated body on its feet?
 
-    `falls_s` and `falls_frame` say when it leant too far to come back, null: it did not. `begins` says whether it stood
-    by itself in the pose that the motion begins with. `least_mm` is the least margin of the motion, at `least_s`.
+    `falls_s` and `falls_frame` are the moment when it leant too far to recover, null: it did not. `begins`: it stood by
+    itself in the first pose of the motion. `least_mm` is the least margin of the motion, at `least_s`.
     """
 
     stands: bool
@@ -57,7 +55,7 @@ class BalanceReport(Struct, frozen=True, kw_only=True):
 class CheckJob(Struct, frozen=True, kw_only=True, tag="check"):
     """Play key frames with the robot's simulated body, standing in `start` first; `lead_in` comes before them.
 
-    Joints that `start` leaves out are at zero, or as near to it as they come.
+    Joints that `start` leaves out are at zero, or as near to it as their limits permit.
     """
 
     robot: Name
@@ -91,7 +89,7 @@ class WriteJob(Struct, frozen=True, kw_only=True, tag="write"):
 
 
 class VersionsJob(Struct, frozen=True, kw_only=True, tag="versions"):
-    """List what a motion was before, out of the revisions of a database."""
+    """List the earlier versions of a motion, from the revisions of a database."""
 
     robot: Name
     database: str
@@ -114,8 +112,7 @@ class Checked(Struct, frozen=True, kw_only=True, tag="checked"):
 
 
 class ReadMotions(Struct, frozen=True, kw_only=True, tag="read"):
-    """The motions of a file, with what people should know of each; `cut` counts angles that were brought within
-    limits."""
+    """The motions of a file, with notes for people; `cut` counts angles that were limited."""
 
     motions: tuple[Motion, ...]
     notes: tuple[str, ...] = ()
@@ -123,14 +120,14 @@ class ReadMotions(Struct, frozen=True, kw_only=True, tag="read"):
 
 
 class Written(Struct, frozen=True, kw_only=True, tag="written"):
-    """The content of a file, and what it could not say."""
+    """The content of a file, and the losses of the conversion."""
 
     content: bytes
     notes: tuple[str, ...] = ()
 
 
 class MotionVersion(Struct, frozen=True, kw_only=True):
-    """A motion as it was from `since` on, until the next; `revision` is the last change of rows that made it so."""
+    """A version of a motion, from `since` on, until the next; `revision` is the last change of rows in it."""
 
     revision: int
     since: str
@@ -138,13 +135,13 @@ class MotionVersion(Struct, frozen=True, kw_only=True):
 
 
 class Versions(Struct, frozen=True, kw_only=True, tag="versions"):
-    """The earlier versions of a motion, newest first; the one that is there now is the first."""
+    """The versions of a motion, newest first; the first one is the present one."""
 
     versions: tuple[MotionVersion, ...]
 
 
 class NotDone(Struct, frozen=True, kw_only=True, tag="refused"):
-    """Why there is no result, as a sentence."""
+    """The reason why there is no result, as a sentence."""
 
     reason: str
     code: str = "failed"

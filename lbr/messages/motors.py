@@ -7,7 +7,7 @@ from msgspec import Meta, Struct
 from lbr.messages.units import Name, SignedPower
 
 RESTS_S = 1.2
-"""The life of messages that come twice a second at rest: two signs of life may be missing."""
+"""The life of messages that come twice a second at rest: two of them may be missing."""
 
 
 class MotorSetpoint(Struct, frozen=True, kw_only=True):
@@ -61,7 +61,7 @@ class MotorsState(Struct, frozen=True, kw_only=True):
 
     @property
     def each(self) -> dict[str, MotorState]:
-        """Every motor by its name, also where `left` and `right` have fields of their own."""
+        """Return every motor by its name, including `left` and `right`, which have fields of their own."""
         return self.motors or {
             "left": MotorState(power=self.left, amps_a=self.amps_left_a, counts=self.counts_left),
             "right": MotorState(power=self.right, amps_a=self.amps_right_a, counts=self.counts_right),

@@ -1,10 +1,10 @@
-"""Messages on `odometry/*`: how far the base went, by its wheels."""
+"""Messages on `odometry/*`: the way of the base, by its wheels."""
 
 from msgspec import Struct
 
 
 class OdometryState(Struct, frozen=True, kw_only=True):
-    """Where the base is since `epoch` began (REP 103: x ahead, y left at its start), by encoders and attitude.
+    """The position of the base since `epoch` began (REP 103: x ahead, y left at its start), by encoders and attitude.
 
     `distance_m`: travelled, backwards negative. `stalled`: the motors push and the wheels stand. `slipping`: wheels and
     body turn differently. `counted_s`: when its counts were read. `aside_mps`: speed to the left, of a base that has

@@ -1,5 +1,4 @@
-"""Messages by which a phone or browser gets a token of its own: the digits that a person read at the console, for a
-token."""
+"""Messages by which a phone or browser gets a token: it sends the digits that a person read at the console."""
 
 from typing import Annotated
 

@@ -1,4 +1,4 @@
-"""Text from foreign sources, before it is shown, told or written down."""
+"""Text from foreign sources, before it is shown or stored."""
 
 
 def one_line(text: str) -> str:

@@ -1,4 +1,4 @@
-"""Messages on `power/*` and `ups/*`: the source of power, and shutting down before it is empty."""
+"""Messages on `power/*` and `ups/*`: the source of power, and the shutdown before it is empty."""
 
 from typing import Annotated, Literal
 
@@ -42,7 +42,7 @@ class RelayCommand(Struct, frozen=True, kw_only=True):
 
 
 class ArmCommand(Struct, frozen=True, kw_only=True):
-    """Watch the voltage and shut the computer down in time, or not; kept over restarts. Null: as before."""
+    """Watch the voltage and shut the computer down in time, or not; kept over restarts. Null: unchanged."""
 
     armed: bool
     warn_v: Volts | None = None
@@ -55,7 +55,7 @@ class CancelCommand(Struct, frozen=True, kw_only=True):
     reason: Annotated[str, Meta(max_length=200)] = ""
 
     def __post_init__(self) -> None:
-        """Have the reason be one line, also from a foreign client."""
+        """Turn the reason into one line, as a foreign client may have sent it."""
         force_setattr(self, "reason", one_line(self.reason))
 
 

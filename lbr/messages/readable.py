@@ -1,5 +1,4 @@
-"""A message as a person reads it: each value with the unit that its field's name ends in, without what is empty.
-Pure."""
+"""A message for people: each value with the unit in its field's name, without empty values. Pure."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -13,7 +12,7 @@ TIGHT = frozenset({"°", "%"})
 """Units that follow their number without a space."""
 LONGEST = 400
 WHOLE = (1e3, 1e9)
-"""Between these a number is told without a fraction."""
+"""Between these, a number is shown without a fraction."""
 EMPTY: tuple[Any, ...] = ("", [], {}, ())
 
 
@@ -62,5 +61,5 @@ def _number(value: float) -> str:
 
 
 def _bounded(text: str, value: Sequence[object] | Mapping[str, object]) -> str:
-    """Return a text, or how much it is of what would fill a screen."""
+    """Return a text, or the number of its items if it would fill a screen."""
     return text if len(text) <= LONGEST else f"({len(value)} entries)"

@@ -24,16 +24,16 @@ COUNTED = Meta(extra={"counted": True})
 REQUIRED = Meta(extra={"default": None})
 """For a column that SQL requires, even with a default in Python."""
 Fault = tuple[str, str]
-"""A column, and what is wrong there."""
+"""A column, and its fault."""
 Check = Callable[[Any, "Others"], Iterator[Fault]]
-"""Yields what a row has against itself, or against others. It is left out for a row of which it reads a bad column."""
+"""Yields the contradictions in a row, or with others. The check is skipped if it reads a bad column of the row."""
 
 
 class Others(Protocol):
-    """The rows of a robot as a check sees them; to read a column that could not be read ends the check."""
+    """The rows of a robot for a check; reading an unreadable column ends the check."""
 
     def names(self, table: str) -> frozenset[Any]:
-        """Return the column `name` of a table's rows, of bad ones too."""
+        """Return the column `name` of a table's rows, including bad ones."""
 
     def index(self, row: type[R], by: Callable[[R], Hashable]) -> Mapping[Hashable, R]:
         """Return the first row for each value of `by`."""
@@ -42,10 +42,10 @@ class Others(Protocol):
 class Row(Struct, frozen=True, kw_only=True):
     """A row of TABLE, identified by KEY; each field is a column.
 
-    The column `robot` is not a field: every table has it, but those that all robots have SHARED. Rows OF another table
-    are deleted with the row there whose name begins their key. Rows that are PART_OF a row are also written with it:
-    the parts that it does not have any more are deleted. Of two ASCENDING columns the second is greater. Two columns
-    TOGETHER are both NULL or both not. CHECKS are all further constraints.
+    The column `robot` is not a field: every table has it, except those that all robots share (SHARED). Rows OF another
+    table are deleted with the row there whose name begins their key. Rows that are PART_OF a row are also written with
+    it: its former parts are deleted. Of two ASCENDING columns the second is greater. Two columns TOGETHER are both NULL
+    or both not. CHECKS are all further constraints.
     """
 
     TABLE: ClassVar[str] = ""
@@ -64,7 +64,7 @@ class Row(Struct, frozen=True, kw_only=True):
 
     @property
     def key(self) -> tuple[Any, ...]:
-        """Return what tells it from other rows of its robot."""
+        """Return its key among the rows of its robot."""
         return tuple(getattr(self, column) for column in self.KEY)
 
     @property
@@ -73,9 +73,9 @@ class Row(Struct, frozen=True, kw_only=True):
         return f"{self.TABLE} '{'/'.join(map(str, self.key))}'"
 
     def refusal(self, before: Mapping[str, object] | None, parts: Sequence["Row"]) -> tuple[str, Code] | None:  # noqa: ARG002
-        """Return why an edit on another's behalf may not write this row, or None.
+        """Return why a capability's edit may not write this row, or None.
 
-        `before` are the columns that are there now, `parts` the rows of other tables that come as parts of this one.
+        `before` are the present columns, `parts` the rows of other tables that come as parts of this one.
         """
         if getattr(self, "builtin", False) or (before or {}).get("builtin", 0) != 0:
             return f"{self.full_name} is built in, and stays as it is", "read_only"
@@ -83,7 +83,7 @@ class Row(Struct, frozen=True, kw_only=True):
 
 
 class RowSet(Struct, frozen=True, kw_only=True):
-    """Rows of one table as documents carry them: JSON, in the order of their keys."""
+    """Rows of one table in a document: JSON, in the order of their keys."""
 
     key: tuple[str, ...]
     part_of: str = ""
@@ -104,7 +104,7 @@ def row_set(row: type[Row], rows: Iterable[Row]) -> RowSet:
 
 
 def by_table(rows: Iterable[Row]) -> dict[str, Raw]:
-    """Return rows by their tables, as they are told to others."""
+    """Return rows by their tables, as JSON for others."""
     found: dict[str, list[Row]] = {}
     for row in rows:
         found.setdefault(row.TABLE, []).append(row)
@@ -125,8 +125,7 @@ def changed(before: Mapping[str, RowSet], after: Mapping[str, RowSet]) -> RowsCh
 
 
 def changes(known: Mapping[str, RowSet], told: Mapping[str, Raw]) -> dict[str, Raw]:
-    """Return of rows that are known what differs, with their keys, and others whole: what people edit meanwhile
-    stays."""
+    """Return the changed columns of known rows, with their keys, and new rows whole: other edits meanwhile stay."""
     return {table: _changes(known[table], rows) if table in known else rows for table, rows in told.items()}
 
 
@@ -146,8 +145,7 @@ def _changes(before: RowSet, rows: Raw) -> Raw:
 
 
 def with_rows(known: Mapping[str, RowSet], new: Mapping[str, Raw]) -> dict[str, RowSet]:
-    """Return sets of rows with new ones, or what changes in those of the same key; tables that are not known stay
-    so."""
+    """Return sets of rows with new rows, or with changes of known ones; unknown tables are left out."""
     told = {table: msgspec.json.decode(rows, type=list[dict[str, Any]]) for table, rows in new.items()}
     return {
         table: before if table not in told and before.part_of not in told else _with(before, table, told)
@@ -172,6 +170,6 @@ def _by_key(rows: RowSet) -> dict[tuple[Any, ...], dict[str, Any]]:
 def short(value: object) -> str:
     """Return a value as one short printable line."""
     text = value.decode(errors="replace") if isinstance(value, bytes) else str(value)
-    if len(text) <= 60 and text.isprintable():  # as nearly all are that rows are called by
+    if len(text) <= 60 and text.isprintable():  # as nearly all names of rows are
         return text
     return "".join(c if c.isprintable() else "?" for c in text[:60]) + ("…" if len(text) > 60 else "")

@@ -1,4 +1,4 @@
-"""JSON Schemas of messages, as programs of others read them."""
+"""JSON Schemas of messages for foreign programs."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -7,7 +7,7 @@ import msgspec
 
 
 def flat_schema(schema: Mapping[str, Any]) -> bytes:
-    """Return a JSON Schema as bytes, with its uppermost type in place of a reference to it, which some viewers do not
+    """Return a JSON Schema as bytes, with its top type in place of a reference to it, which some viewers do not
     follow."""
     reference = str(schema.get("$ref", ""))
     definitions = schema.get("$defs", {})

@@ -12,10 +12,10 @@ from lbr.messages.units import Name
 RangeStatus = Literal["ok", "over_range", "invalid", "missing"]
 RangeKind = Literal["ultrasonic", "infrared", "time_of_flight", "lidar"]
 RING = ("forward", "back", "left", "right", "bottom")
-"""Sensors that have a field of their own in `Ranges`, as the ring of the robot lbr has always told them."""
+"""Sensors with a field of their own in `Ranges`, which are the ring of the robot lbr."""
 MOST_RAYS = 4096
 LEVEL_RAD = 0.5
-"""A sensor that looks further up or down than this does not see what stands in the way."""
+"""A sensor that looks further up or down than this does not see obstacles."""
 
 
 class Ranges(Struct, frozen=True, kw_only=True):
@@ -36,14 +36,14 @@ class Ranges(Struct, frozen=True, kw_only=True):
     ages_s: dict[str, float] = {}
 
     def metres(self, sensor: str) -> float | None:
-        """Return what a sensor read; null if nothing."""
+        """Return the reading of a sensor; None without one."""
         if sensor in RING:
             found: float | None = getattr(self, f"{sensor}_m")
             return found
         return self.others_m.get(sensor)
 
     def tells_of(self, sensor: str) -> bool:
-        """Return whether the message is about a sensor: what it does not mention is as it was."""
+        """Return whether the message is about a sensor: one that it does not mention is unchanged."""
         if sensor in RING and not self.others_m:
             return True
         return sensor in self.status or sensor in self.others_m or self.metres(sensor) is not None
@@ -70,7 +70,7 @@ def ranges(
 
 
 Reading = float | Literal["Infinity", "-Infinity"] | None
-"""A distance in metres, or why it is not measured, as REP 117 has it: nothing within reach, too near, unknown."""
+"""A distance in metres, or why it is not measured, by REP 117: nothing within reach, too near, unknown."""
 
 
 class Scan(Struct, frozen=True, kw_only=True):
@@ -91,7 +91,7 @@ class Scan(Struct, frozen=True, kw_only=True):
 
     @property
     def angle_max_rad(self) -> float:
-        """The angle of the last reading."""
+        """Return the angle of the last reading."""
         return self.angle_min_rad + (len(self.ranges_m) - 1) * self.angle_increment_rad
 
     def metres(self) -> tuple[float, ...]:
@@ -110,7 +110,7 @@ class Scan(Struct, frozen=True, kw_only=True):
 
 
 def readings(metres: Iterable[float]) -> tuple[Reading, ...]:
-    """Return numbers, some infinite or NaN, as a scan tells them."""
+    """Return numbers, some infinite or NaN, as readings of a scan."""
     return tuple(_reading(value) for value in metres)
 
 
@@ -160,7 +160,7 @@ class RangeSensor(Row, frozen=True, kw_only=True):
 
     @property
     def level(self) -> bool:
-        """Return whether it sees what stands in the way, rather than the floor or the ceiling."""
+        """Return whether it sees obstacles, rather than the floor or the ceiling."""
         return abs(self.pitch_rad) <= LEVEL_RAD
 
     @property
@@ -170,12 +170,12 @@ class RangeSensor(Row, frozen=True, kw_only=True):
 
     @property
     def first_rad(self) -> float:
-        """The angle of the first ray of a scan, anticlockwise from where the sensor looks."""
+        """Return the angle of the first ray of a scan, anticlockwise from the direction of the sensor."""
         return -pi if self.round else -self.fov_rad / 2
 
     @property
     def step_rad(self) -> float:
-        """The angle from a ray of a scan to the next one."""
+        """Return the angle from a ray of a scan to the next one."""
         return 2 * pi / self.rays if self.round else self.fov_rad / max(1, self.rays - 1)
 
     def angles(self) -> tuple[float, ...]:

@@ -1,4 +1,4 @@
-"""Messages on `servos/*`: between joints operation and the driver of a servo bus, in the servos' own angles."""
+"""Messages on `servos/*`: between the joints operation and the driver of a servo bus, in the servos' own angles."""
 
 from typing import Annotated, Literal
 
@@ -13,7 +13,7 @@ ServoPhase = Literal["released", "following", "holding", "releasing"]
 
 
 class ServoGoal(Struct, frozen=True, kw_only=True):
-    """The order for one servo. `position_rad` null: stay. `torque`: a fraction of its most; 0: off."""
+    """The order for one servo. `position_rad` null: stay. `torque`: a fraction of its maximum; 0: off."""
 
     id: ServoId
     position_rad: ServoRad | None = None
@@ -42,8 +42,9 @@ class StoredState(Struct, frozen=True, kw_only=True):
 class ServoSetpoint(Struct, frozen=True, kw_only=True):
     """The goals of a bus, valid for 0.1 s; servos without a goal have no torque.
 
-    `lost`: their mover is gone; the driver holds, then releases slowly. `halt`: counts stops; a new one goes to every servo first, and ends what the controller plays. While `stored` is played, `goals`
-    only say which servos may have torque. `lease`: a mark of the lease, which cannot be quoted.
+    `lost`: their sender is gone; the driver holds, then releases slowly. `halt`: counts stops; a new one goes to every
+    servo first, and ends what the controller plays. While `stored` is played, `goals` only permit torque to servos.
+    `lease`: a mark of the lease, which cannot be quoted.
     """
 
     goals: tuple[ServoGoal, ...]
@@ -54,7 +55,7 @@ class ServoSetpoint(Struct, frozen=True, kw_only=True):
 
 
 class ServoState(Struct, frozen=True, kw_only=True):
-    """One servo as measured last; null is not measured. `load`: a fraction of its most, signed like `speed_rps`.
+    """One servo as measured last; null is not measured. `load`: a fraction of its maximum, signed like `speed_rps`.
 
     `faults`: reported by it or found by the driver. `latched`: those that keep it without torque until it is recovered.
     `age_s`: of the position. `trusted` false: `raw` came, and is not believed; null: the line leaves no doubt.
@@ -77,7 +78,7 @@ class ServoState(Struct, frozen=True, kw_only=True):
 
 
 class BusStatistics(Struct, frozen=True, kw_only=True):
-    """The line over the last second or so, and its faults since it was opened."""
+    """The line in the last second or so, and its faults since it was opened."""
 
     sweeps_hz: float = 0.0
     states_hz: float = 0.0

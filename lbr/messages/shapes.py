@@ -19,7 +19,7 @@ class Shape(Struct, frozen=True):
         return self.sql.format(x=x, **parts)
 
     def allowed(self, check: str) -> tuple[str, str] | None:
-        """Return the column of a CHECK of this shape, and the allowed values in words; None for another CHECK."""
+        """Return the column of a CHECK of this shape, and the permitted values in words; None for another CHECK."""
         match = re.fullmatch(self._pattern(), check)
         if match is None:
             return None

@@ -1,4 +1,4 @@
-"""Messages on `sighting/*`: what a camera is watched for, and where it is seen."""
+"""Messages on `sighting/*`: the target that a camera looks for, and its place."""
 
 from typing import Annotated
 
@@ -12,7 +12,7 @@ MOST_S = 120.0
 class WatchCommand(Struct, frozen=True, kw_only=True):
     """Look for a target in the camera's pictures for so many seconds; 0 ends it.
 
-    Asked again, it looks for as long again, or for the new target alone.
+    A repetition looks for as long again, or for the new target alone.
     """
 
     target: Target = "colour"

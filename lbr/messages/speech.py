@@ -1,4 +1,4 @@
-"""Messages on `speech/*`: what the robot says."""
+"""Messages on `speech/*`: the robot's speech and songs."""
 
 from typing import Annotated
 
@@ -29,7 +29,7 @@ class Phrase(Row, frozen=True, kw_only=True):
 
 
 class SayCommand(Struct, frozen=True, kw_only=True):
-    """Say a text, or a phrase by its name, after what is being said, unless it interrupts.
+    """Speak a text, or a phrase by its name, after the present sentence, unless it interrupts.
 
     A text that begins with `<` names a recording below `$LBR_HOME/sounds`; `save` writes it there instead.
     """
@@ -42,13 +42,13 @@ class SayCommand(Struct, frozen=True, kw_only=True):
 
 
 class HushCommand(Struct, frozen=True, kw_only=True):
-    """End what is said, and what waits. With a `song`, end that song alone."""
+    """End the speech, and drop waiting texts. With a `song`, end that song alone."""
 
     song: Annotated[str, Meta(max_length=80)] = ""
 
 
 class SongCommand(Struct, frozen=True, kw_only=True):
-    """Play `<song>.wav` below `$LBR_HOME/music` now, in place of what is said; what waits follows."""
+    """Play `<song>.wav` below `$LBR_HOME/music` now, in place of speech; waiting texts follow."""
 
     song: Annotated[str, Meta(min_length=1, max_length=80)]
 
@@ -64,7 +64,7 @@ class PlayReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class SpeechState(Struct, frozen=True, kw_only=True):
-    """The sentence under way, how many wait, and where it sounds. `playing`: the song."""
+    """The present sentence, the number of waiting ones, and the loudspeaker. `playing`: the song."""
 
     speaking: bool
     text: str

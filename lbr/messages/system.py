@@ -13,14 +13,14 @@ RANKS: dict[Role, int] = {"view": 0, "operate": 1, "admin": 2}
 
 
 def higher(one: Role, other: Role) -> Role:
-    """Return the role of the two that fewer have."""
+    """Return the higher one of two roles."""
     return max(one, other, key=RANKS.__getitem__)
 
 
-"""A role may do what those below it may."""
+"""Roles in ascending order: each includes the rights of those before it."""
 TokenRole = Literal["view", "operate", "admin", "host"]
-"""The rights of a token's holder; `host` is for another machine that runs a share of the robot, and looks and stops
-besides."""
+"""The rights of a token's holder; `host` is for another machine that runs a share of the robot, and also looks and
+stops."""
 Count = Annotated[int, Meta(ge=0, le=2**63 - 1)]
 CapabilityPhase = Literal["waiting", "starting", "ready", "degraded", "stopping", "stopped", "failed"]
 
@@ -43,7 +43,7 @@ class Stamp(Struct, frozen=True, kw_only=True):
     by: str = ""
 
     def __post_init__(self) -> None:
-        """Have what a sender calls itself and others be one line, wherever it is shown."""
+        """Turn the names that a sender chose into one line, as they are shown."""
         if not self.source.isprintable():
             force_setattr(self, "source", one_line(self.source))
         if not self.by.isprintable():
@@ -51,9 +51,8 @@ class Stamp(Struct, frozen=True, kw_only=True):
 
 
 class Event(Struct, frozen=True, kw_only=True):
-    """Something happened: what (`kind`), to whom (`subject`), in a sentence (`text`). `about`: whose command or motion
-    it concerns.
-    """
+    """Something happened: its `kind`, its `subject`, and a sentence (`text`). `about`: the sender of the command or
+    motion."""
 
     kind: Annotated[str, Meta(max_length=80)]
     subject: Annotated[str, Meta(max_length=80)]
@@ -78,7 +77,7 @@ class EstopRequest(Struct, frozen=True, kw_only=True):
     reason: Annotated[str, Meta(max_length=200)] = ""
 
     def __post_init__(self) -> None:
-        """Have the reason be one line, also from a foreign client: every console shows it."""
+        """Turn the reason into one line, as a foreign client may have sent it: every console shows it."""
         force_setattr(self, "reason", one_line(self.reason))
 
 
@@ -87,15 +86,15 @@ class EstopResetCommand(Struct, frozen=True, kw_only=True):
 
 
 class EstopRelease(Struct, frozen=True, kw_only=True):
-    """The executive's word to one mover that the emergency stop is reset, and by whom."""
+    """The executive's message to one mover that the emergency stop is reset, and by whom."""
 
     by: str = ""
 
 
 class EstopState(Struct, frozen=True, kw_only=True):
-    """The latch, and which capabilities' devices have acknowledged it.
+    """The latch, and the capabilities whose devices have acknowledged it.
 
-    `overdue`: those of `waiting` whose time by their row is over. `text`: who has acknowledged.
+    `overdue`: those of `waiting` whose time limit is over. `text`: the acknowledgements in words.
     """
 
     engaged: bool
@@ -108,7 +107,7 @@ class EstopState(Struct, frozen=True, kw_only=True):
 
 
 class EstopAcknowledgement(Struct, frozen=True, kw_only=True):
-    """One mover's word: `stopped` once its device has acknowledged, within `within_s`."""
+    """One mover's report: `stopped` once its device has acknowledged, within `within_s`."""
 
     capability: str
     engaged: bool
@@ -139,7 +138,7 @@ class Hold(Struct, frozen=True, kw_only=True):
 class ConsoleResult(Struct, frozen=True, kw_only=True):
     """The result of a console line: a text for people, an exit code (0 done, 1 refused or failed, 2 bad input).
 
-    `reason_code`: why it was refused or failed. `confirm`: the line that does it after all, once a person agrees.
+    `reason_code`: why it was refused or failed. `confirm`: the line to send once a person agrees.
     """
 
     code: int
@@ -152,11 +151,9 @@ class ConsoleResult(Struct, frozen=True, kw_only=True):
 
 
 class CapabilityStatus(Struct, frozen=True, kw_only=True):
-    """One capability as the executive sees it; `rates_hz` are its outputs' rates by its own count.
-
-    `reason`: its state now. `last_end`: its last unasked end, with `end_code`. `host`: the other machine that it runs
-    on; empty: the robot's. `process`: the one that it shares; `pid`, CPU and memory are then those of all in it.
-    """
+    """One capability as the executive sees it; `rates_hz` are its outputs' rates by its own count. `reason`: that of
+    its present phase. `last_end`: its last unrequested end, with `end_code`. `host`: the other machine that it runs on;
+    empty: the robot's. `process`: the one that it shares; `pid`, CPU and memory are then those of all in it."""
 
     name: str
     kind: str
@@ -177,9 +174,9 @@ class CapabilityStatus(Struct, frozen=True, kw_only=True):
 
 
 class Status(Struct, frozen=True, kw_only=True):
-    """The whole robot at a glance; `problem_codes` are those of its `problems`, in their order.
+    """The whole robot at a glance; `problem_codes` are those of its `problems`, in order.
 
-    `degraded`: what runs with less than its all, and why, once the robot is ready.
+    `degraded`: the parts that work only partly, with reasons, once the robot is ready.
     """
 
     robot: str

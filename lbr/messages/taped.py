@@ -1,10 +1,10 @@
-"""The lines of a capability for a recorder: the bytes of its devices, its requests and answers."""
+"""The recording of a capability for a recorder: the bytes of its devices, its requests and answers."""
 
 from msgspec import Raw, Struct
 
 
 class LineBytes(Struct, frozen=True, array_like=True, gc=False):
-    """Bytes at once on a line: when, by the sender's monotonic clock, whether the driver sent them, and the bytes."""
+    """Bytes sent or received together: the time by the sender's monotonic clock, the direction, and the bytes."""
 
     at_ns: int
     sent: bool
@@ -22,8 +22,7 @@ class TapedLine(Struct, frozen=True, kw_only=True):
 
 
 class TapedCommand(Struct, frozen=True, kw_only=True):
-    """A command as it came, by a query or a `put`, and its answer; times by the monotonic clock of the answering
-    process."""
+    """A command, by a query or a `put`, and its answer; times by the monotonic clock of the answering process."""
 
     name: str
     source: str

@@ -1,7 +1,6 @@
-"""The message on `telemetry/package`: everything the robot knows of itself, nested.
+"""The message on `telemetry/package`: all the robot's readings, nested.
 
-Parts and nesting are those of the package that lbr robots have always told. A program that has to speak its names finds
-them here:
+Parts and nesting are those of the original package of lbr robots. Its names for a program that needs them:
 
 | here | there |
 |---|---|
@@ -96,7 +95,7 @@ class VoltagesPart(Struct, frozen=True, kw_only=True):
 
 
 class DockSignalPart(Struct, frozen=True, kw_only=True):
-    """Which beams of the dock are seen."""
+    """The visible beams of the dock."""
 
     age_s: float
     left: bool
@@ -125,7 +124,7 @@ class Telemetry(Struct, frozen=True, kw_only=True):
     """The nested package of the robot's readings. A part is null until its first reading.
 
     `age_s`: of a part; a silent source keeps its last reading. `time_s`: of the package, in seconds since 1970.
-    `complete`: every wired part has what clients ask for.
+    `complete`: every wired part has the readings that clients expect.
     """
 
     time_s: float

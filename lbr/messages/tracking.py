@@ -1,4 +1,4 @@
-"""Messages on `tracking/*`: what the head looks for and where it is seen."""
+"""Messages on `tracking/*`: the target that the head follows, and its place."""
 
 from typing import Annotated, Literal
 
@@ -10,7 +10,7 @@ Target = Literal["colour", "face"]
 class TrackCommand(Struct, frozen=True, kw_only=True):
     """Turn the head after a target, until a stop of this or the joints, or until it is unseen for long.
 
-    The asker renews nothing; the head's mover holds the lease of the joints.
+    The sender renews nothing; the capability holds the lease of the joints.
     """
 
     target: Target = "colour"

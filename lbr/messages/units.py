@@ -1,4 +1,4 @@
-"""Number types with their unit, range and meaning; decoding refuses what is out of range, NaN and infinity."""
+"""Number types with their unit, range and meaning; decoding refuses values out of range, NaN and infinity."""
 
 from typing import Annotated, Any
 
@@ -8,7 +8,7 @@ from lbr.messages.shapes import NAME, NAME_OR_NONE
 
 
 def basic(group: str, title: str, **more: Any) -> Meta:
-    """Return what a setting is that people ask for first: in which group of the page, and by which name."""
+    """Return the mark of a setting that people need first: its group on the page, and its title."""
     return Meta(title=title, extra_json_schema={"x-basic": group}, **more)
 
 
@@ -20,7 +20,7 @@ IntervalS = Annotated[float, Meta(ge=0.0, le=3600.0, description="seconds; 0 set
 TtlS = Annotated[float, Meta(gt=0.0, le=1.0, description="seconds a command lives unless it is renewed")]
 NAME_LETTERS = "[a-z][a-z0-9_]*"
 NAME_PATTERN = f"^{NAME_LETTERS}$(?!\\n)"
-"""Of the whole text: `$` alone lets a line's end follow."""
+"""For the whole text: `$` alone permits a line break at the end."""
 NAME_OR_NONE_PATTERN = f"^$(?!\\n)|{NAME_PATTERN}"
 Name = Annotated[str, Meta(pattern=NAME_PATTERN, max_length=40, extra={"shape": NAME})]
 NameOrNone = Annotated[str, Meta(pattern=NAME_OR_NONE_PATTERN, max_length=40, extra={"shape": NAME_OR_NONE})]
@@ -40,7 +40,7 @@ HeadingDeg = Annotated[float, Meta(ge=0.0, le=360.0, description="degrees clockw
 DistanceCm = Annotated[
     float,
     Meta(ge=0.0, le=10000.0, description="centimetres to travel; 0 sets no distance"),
-    Meta(extra_json_schema={"x-typed-minimum": 1.0}),  # a distance that is typed is never 0
+    Meta(extra_json_schema={"x-typed-minimum": 1.0}),  # a typed distance is never 0
 ]
 Fraction = Annotated[float, Meta(ge=0.0, le=1.0)]
 SpeedMps = Annotated[float, Meta(ge=-10.0, le=10.0, description="metres a second")]

@@ -11,9 +11,9 @@ UNREADABLE = (msgspec.MsgspecError, UnicodeDecodeError, RecursionError)
 
 
 def keyed_once(data: bytes) -> bytes:
-    """Return the same JSON; ValidationError if a key stands twice in one object, where decoders take the last in
-    silence."""
-    with suppress(json.JSONDecodeError, UnicodeDecodeError):  # what is not JSON is the decoder's to report
+    """Return the same JSON; raise ValidationError if an object has a key twice, as decoders silently use the last
+    one."""
+    with suppress(json.JSONDecodeError, UnicodeDecodeError):  # the decoder reports invalid JSON
         json.loads(data, object_pairs_hook=_once_each, parse_int=str, parse_float=str, parse_constant=str)
     return data
 

@@ -1,4 +1,4 @@
-"""Messages on `web/*`: where the robot is served over HTTP, and to whom."""
+"""Messages on `web/*`: the address of the robot's HTTP server, and its users."""
 
 from msgspec import Struct
 
@@ -6,7 +6,7 @@ from lbr.messages.codes import ReasonCode
 
 
 class WebState(Struct, frozen=True, kw_only=True):
-    """Where the server listens (`urls`, the most useful first), what it serves, and its load."""
+    """The server's addresses (`urls`, the most useful first), its content, and its load."""
 
     listening: bool
     urls: tuple[str, ...] = ()

@@ -1,4 +1,4 @@
-"""Why a part of the robot stands still: the links from what was asked to what moves, and the first that holds it."""
+"""Why a part of the robot stands still: the links from the command to the motor, and the first that holds it."""
 
 from typing import Literal
 
@@ -33,18 +33,18 @@ LinkName = Literal[
     "last",
     "refused",
 ]
-"""Where in a chain a link is. `line`, `fault` and `motor` are the robot's hardware, all others are not."""
+"""The kind of a link. `line`, `fault` and `motor` are the robot's hardware, all others are not."""
 HARDWARE: frozenset[LinkName] = frozenset({"line", "fault", "motor"})
 LinkState = Literal["ok", "past", "doubt", "held", "unknown"]
-"""`held`: it keeps the part still. `doubt`: it does so for some of what may be asked. `past`: it did, and ended what
-was under way. `unknown`: nothing says."""
+"""`held`: it keeps the part still. `doubt`: it prevents some motions. `past`: it ended the last motion. `unknown`:
+there is no information."""
 
 
 class Link(Struct, frozen=True):
-    """A link of the chain: of whom it tells, how that is and why, in one sentence with its code.
+    """A link of the chain: its subject, its state and the reason, in one sentence with its code.
 
-    `since_s` is for how long it has been so, null: not known. `age_s` is how old the newest word of it is. `evidence`
-    is where that was read, and `do` what to type or to look at.
+    `since_s` is the age of the state, null: not known. `age_s` is the age of the newest information. `evidence` is its
+    source, and `do` the cure: what to type or to look at.
     """
 
     name: LinkName
@@ -59,9 +59,9 @@ class Link(Struct, frozen=True):
 
 
 class Repair(Struct, frozen=True, kw_only=True):
-    """A part to mend: the reason, and what to do. `waits` names the parts that are not well because of it.
+    """A part to mend: the reason, and the cure.
 
-    `device`: its device is away, and not its process.
+    `waits` names the parts that are held by it. `device`: its device is missing, not its process.
     """
 
     part: str
@@ -76,8 +76,8 @@ class Chain(Struct, frozen=True, kw_only=True):
 
     Of the whole robot, `repairs` are the parts to mend, the one that holds the most first.
 
-    `state` is that link's. `ok`: nothing holds it. `source` says what could be asked: the robot's bus, or its rows
-    alone because nothing of it answers.
+    `state` is that link's. `ok`: nothing holds it. `source` is the robot's bus, or only its rows if the robot does not
+    answer.
     """
 
     robot: str

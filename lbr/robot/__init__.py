@@ -9,7 +9,7 @@ __all__ = ["Robot"]
 
 
 def __getattr__(name: str) -> Any:
-    """Import `Robot` when it is asked for: who looks for robots needs no declaration."""
+    """Import `Robot` on request: a search for robots needs no declaration."""
     if name != "Robot":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from lbr.robot.declaration import Robot  # noqa: PLC0415

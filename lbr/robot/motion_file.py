@@ -1,4 +1,4 @@
-"""Motions in files of a robot's maker: what a package declares to have them read."""
+"""Motions in files of a robot's maker: the declaration by which a package has them read."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from lbr.robot.old_data import Note
 
 R = TypeVar("R", bound=Row)
 LARGEST_BYTES = 4 << 20
-"""More than any motion needs; a file that is larger is not read."""
+"""More than any motion needs; a larger file is not read."""
 SHORTEST_S, LONGEST_S = 0.01, 60.0
 """The bounds of one key frame; `KeyFrame` has the upper bound."""
 DIGITS = 4
@@ -28,36 +28,36 @@ class RobotRows(Protocol):
 
 
 class MakersMotion(Protocol):
-    """The motions out of a file, before it is known for which robot."""
+    """The motions of a file, before their robot is known."""
 
     def fits(self, rows: RobotRows) -> bool:
-        """Return whether a robot has what the file speaks of."""
+        """Return whether a robot has the joints of the file."""
 
     def motions(self, rows: RobotRows) -> tuple[tuple[Motion, ...], list[Note]]:
-        """Return them in the angles of a robot's joints, and what people should know of them; InputError says why
-        not."""
+        """Return the motions in the angles of a robot's joints, with notes for people; raise InputError if it
+        cannot."""
 
 
 class ReadMotion(Protocol):
-    """Reads the content of a file; InputError names what is wrong in it."""
+    """Reads the content of a file; raises InputError with its fault."""
 
     def __call__(self, content: bytes) -> MakersMotion:
         """Return the motions."""
 
 
 class WriteMotion(Protocol):
-    """Writes a motion as the content of a file; InputError is the reason if it cannot."""
+    """Writes a motion as the content of a file; raises InputError with the reason if it cannot."""
 
     def __call__(self, motion: Motion, rows: RobotRows) -> tuple[bytes, list[Note]]:
-        """Return the content, and what people should know of it."""
+        """Return the content, with notes for people."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MotionFormat:
-    """A format of motion files: the `suffix` of their names, such as `.rbm`, a `summary`, and `module:function` that
-    reads them.
+    """A format of motion files: the `suffix` of their names, such as `.rbm`, a `summary`, and `module:function` to read
+    them.
 
-    `write` is the function that writes one, where that is possible.
+    `write` is the function that writes one, if that is possible.
     """
 
     suffix: str
@@ -67,7 +67,7 @@ class MotionFormat:
 
 
 def split(frames: Iterable[KeyFrame], longest_s: float = LONGEST_S) -> Iterator[KeyFrame]:
-    """Yield key frames, those that take longer in parts."""
+    """Yield key frames; long ones are split."""
     before: dict[str, float] = {}
     for frame in frames:
         parts = ceil(frame.duration_s / longest_s)
@@ -83,7 +83,7 @@ def split(frames: Iterable[KeyFrame], longest_s: float = LONGEST_S) -> Iterator[
 
 
 def sparse(frames: Iterable[KeyFrame]) -> Iterator[KeyFrame]:
-    """Yield key frames without the joints that stay where they are."""
+    """Yield key frames without the joints that do not move."""
     at: dict[str, float] = {}
     for frame in frames:
         yield replace(

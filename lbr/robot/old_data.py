@@ -1,8 +1,8 @@
-"""Data that another program kept of a robot, in files: a package's declaration of how it becomes rows here.
+"""Another program's data about a robot, in files: a package's declaration of its conversion to rows.
 
     file ──► Source ── read ──► OldData ── wants ──► Want(table, key, columns), Note(what has no place)
 
-Nothing here writes: `lbr import` compares what is wanted with the rows that are there.
+Nothing here writes: `lbr import` compares the wanted rows with the existing ones.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -10,17 +10,17 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, Protocol
 
 Kind = Literal["added", "changed", "clamped", "same", "no_place"]
-"""The result for a value; `no_place`: nothing here could hold it."""
+"""The result for a value; `no_place`: no column here can hold it."""
 ForeignTables = Mapping[str, Sequence[Mapping[str, Any]]]
 """The rows of another program's database by its tables' names."""
 
 
 ROWS_SHOWN = 5
-"""Of those of which the same is said."""
+"""The number of rows that a combined note names."""
 
 
 class Note(NamedTuple):
-    """The result for something in a file: `table`, `row` and `column` are its place there, and `text` is the reason."""
+    """The result for one value of a file: `table`, `row` and `column` are its place there, and `text` is the reason."""
 
     kind: Kind
     table: str
@@ -34,12 +34,12 @@ class Note(NamedTuple):
 
 
 def no_place(table: str, row: str, column: str, text: str) -> Note:
-    """Return the note that nothing here could hold a value."""
+    """Return the note that nothing here can hold a value."""
     return Note("no_place", table, row, column, text)
 
 
 def merged(notes: Iterable[Note]) -> tuple[Note, ...]:
-    """Return the notes with those that say the same of several rows as one, where the first of them stood."""
+    """Return the notes, with equal ones of several rows combined at the place of the first."""
     rows: dict[Note, list[str]] = {}
     for note in notes:
         rows.setdefault(note._replace(row=""), []).append(note.row)
@@ -52,11 +52,10 @@ def _listed(rows: Sequence[str]) -> str:
 
 
 class Want(NamedTuple):
-    """A row that is to have these columns; one that is not there is made only with `create`, and gets those of `made`
-    too.
+    """A row with wanted columns; a missing one is made only with `create`, and also gets the columns `made`.
 
-    A column such as `settings.left.direction` is an entry of a JSON object. `source` is where in the file it stood.
-    With `text` it is told as changed: what stood there meant the same otherwise.
+    A column such as `settings.left.direction` is an entry of a JSON object. `source` is its place in the file. With
+    `text`, it is reported as converted from another form of the same value.
     """
 
     table: str
@@ -69,14 +68,14 @@ class Want(NamedTuple):
 
 
 class Here(Protocol):
-    """The rows of the robot that gets the data, as SQLite holds them."""
+    """The rows of the robot that gets the data, as in SQLite."""
 
     def rows(self, table: str) -> Sequence[Mapping[str, Any]]:
-        """Return the rows of a table; none if there is no such table."""
+        """Return the rows of a table; empty if there is no such table."""
 
 
 class Choice(NamedTuple):
-    """The person's choices: `of` which robot of the file."""
+    """The person's choices: `of` is the robot in the file."""
 
     of: str | None = None
 
@@ -85,16 +84,15 @@ class OldData(Protocol):
     """The content of a file, before its robot is known."""
 
     def fits(self, target: Here) -> bool:
-        """Return whether a robot has what the file speaks of."""
+        """Return whether a robot has the parts of the file."""
 
     def wants(self, target: Here, choice: Choice) -> Iterable[Want | Note]:
-        """Return which rows are wanted, and what has no place; InputError says why it cannot be told."""
+        """Return the wanted rows, and notes about values without a place; raise InputError if that is unknown."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Source:
-    """A file as readers get it: its name, where it lies, its text, its JSON or the rows of its database, if it is
-    such."""
+    """A file for readers: its name, its place, its text, and its JSON or database rows if it has them."""
 
     name: str
     folder: str
@@ -105,10 +103,10 @@ class Source:
 
 
 class ReadOldData(Protocol):
-    """Reads a file; None if it is of another format, InputError names the fault of one of this."""
+    """Reads a file; returns None for another format, and raises InputError with the fault of its own."""
 
     def __call__(self, source: Source) -> OldData | None:
-        """Return what is in it."""
+        """Return the content."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -1,5 +1,5 @@
-"""Finds the robots that there are: of lbr and of other packages; one that cannot be used is named with its package,
-others stay."""
+"""Finds the robots of lbr and of other packages; an unusable one is named with its package, and does not affect
+others."""
 
 import re
 from collections.abc import Iterator
@@ -20,7 +20,7 @@ _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
 
 class Found(Struct, frozen=True, kw_only=True):
-    """A robot of a package, or why it cannot be used; `name` is that in its component."""
+    """A robot of a package, or why it is unusable; `name` is that in its component."""
 
     name: str
     package: str
@@ -39,42 +39,42 @@ def every() -> tuple[Found, ...]:
 
 
 def find(name: str) -> Found | None:
-    """Return the robot of a name, or why it cannot be used; None if no package declares it."""
+    """Return the robot of a name, or why it is unusable; None if no package declares it."""
     point = plugins.find("robots", name)
     return _loaded(point) if point is not None else None
 
 
 def of_profile(profile: str) -> Iterator[Found]:
-    """Yield the robots whose launch profile may have that name, the longest name first; others are not imported."""
+    """Yield the robots whose launch profile may have that name, the longest name first; no others are imported."""
     known = plugins.installed("robots")
     for name in sorted(_begin(profile), key=len, reverse=True):
         yield _loaded(known[name])
 
 
 def profiles(robot: Robot) -> dict[str, Path]:
-    """Return the launch profiles that a robot brings, by name."""
+    """Return a robot's launch profiles, by name."""
     files = robot.profiles.glob("*.toml") if robot.profiles is not None else ()
     return {path.stem: path for path in sorted(files, key=lambda path: path.stem)}
 
 
 def plain(name: str) -> str:
-    """Return a name of a robot or profile as it is compared: dashes and underscores are one."""
+    """Return a name of a robot or profile for comparison: dashes and underscores are equal."""
     return name.replace("-", "_")
 
 
 def bodies() -> dict[str, Path]:
-    """Return the bodies that robots bring, by the robots' names."""
+    """Return the bodies of robots, by the robots' names."""
     return {found.name: found.robot.body for found in every() if found.robot is not None and found.robot.body}
 
 
 def motion_formats() -> Formats:
-    """Return the formats of makers' motion files by suffix; of robots that bring the same, lbr's own has it."""
+    """Return the formats of makers' motion files by suffix; lbr's own has priority over others with the same suffix."""
     robots = [found.robot for found in every() if found.robot is not None]
     return {one.suffix: one for robot in reversed(robots) for one in robot.motion_formats}
 
 
 def old_formats() -> dict[str, OldFormat]:
-    """Return the formats of former programs' files by name; of robots that bring the same, lbr's own has it."""
+    """Return the formats of former programs' files by name; lbr's own has priority over others with the same name."""
     robots = [found.robot for found in every() if found.robot is not None]
     return {one.name: one for robot in reversed(robots) for one in robot.old_formats}
 
@@ -88,7 +88,7 @@ def _loaded(point: Plugin) -> Found:
 
 
 def _whole(point: Plugin, declared: object) -> Robot:
-    """Return a declared robot if nothing is wrong with it."""
+    """Return a declared robot, if it is faultless."""
     robot = point.checked(declared, Robot)
     if faults := tuple(_faults(point, robot)) or tuple(_taken_names(point, robot)):
         raise PluginError(point, "; ".join(faults))
@@ -126,7 +126,7 @@ def _unreadable(robot: Robot) -> Iterator[str]:
 
 
 def _taken_names(point: Plugin, robot: Robot) -> Iterator[str]:
-    """Yield which of its profiles a robot with a shorter name has already: `arm-left` may be that of `arm`."""
+    """Yield those of its profiles that belong to a robot with a shorter name: `arm-left` may be that of `arm`."""
     mine = {plain(name) for name in (robot.name, *profiles(robot))}
     for name in () if point.ours else _begin(robot.name):
         holder = _loaded(plugins.installed("robots")[name]) if name != robot.name else None
@@ -138,7 +138,7 @@ def _taken_names(point: Plugin, robot: Robot) -> Iterator[str]:
 
 
 def _begin(said: str) -> list[str]:
-    """Return the robots with whose name something begins, as whole words."""
+    """Return the robots whose name is the beginning of a text, as whole words."""
     text = plain(said)
     return [name for name in names() if text == name or text.startswith(f"{name}_")]
 

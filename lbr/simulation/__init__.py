@@ -1,4 +1,4 @@
-"""The simulated world: physics, emulated devices that speak the real bytes, and a view from above."""
+"""The simulated world: physics, emulated devices that exchange the real bytes, and a view from above."""
 
 from lbr.component import CliCommand, Component
 

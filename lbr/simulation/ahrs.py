@@ -1,4 +1,4 @@
-"""The orientation that an inertial unit computes by itself."""
+"""The orientation that an inertial unit computes itself."""
 
 from math import asin, atan2, cos, degrees, hypot, sin, sqrt
 
@@ -17,7 +17,7 @@ class Orientation:
         self._at = 0.0
 
     def follow(self, reading: ImuReading, now: float) -> None:
-        """Take in another reading."""
+        """Process another reading."""
         reference, before = facing(reading.accel_mps2, reading.mag_ut), self.quaternion
         dt_s, self._at = now - self._at, now
         if before is None or not 0.0 <= dt_s < _SETTLE_S:
@@ -27,7 +27,7 @@ class Orientation:
 
 
 def facing(accel_mps2: Vector, mag_ut: Vector) -> Quaternion:
-    """Return the orientation in which gravity and the earth's field would be felt like this."""
+    """Return the orientation with this direction of gravity and of the earth's field."""
     x, y, z = accel_mps2
     roll, pitch = atan2(y, z), atan2(-x, hypot(y, z))
     mx, my, mz = mag_ut

@@ -15,7 +15,7 @@ F = TypeVar("F", bound=LineFaults)
 
 
 class AsciiDevice(Generic[F]):
-    """Assembles lines, which end with CR or `_`, echoes them, and puts answers on the line; subclasses `execute`."""
+    """Assembles lines, which end with CR or `_`, echoes them, and sends answers; subclasses `execute` the lines."""
 
     def __init__(self, faults: F, seed: int) -> None:
         self.echo = True
@@ -26,7 +26,7 @@ class AsciiDevice(Generic[F]):
 
     @property
     def faults(self) -> F:
-        """Return what is made to go wrong; setting it takes effect at once."""
+        """Return the faults; setting them takes effect at once."""
         return self._faults
 
     @faults.setter
@@ -36,21 +36,21 @@ class AsciiDevice(Generic[F]):
         self._faults = faults
 
     def boot(self) -> None:
-        """Restart; subclasses forget what they know."""
+        """Restart; subclasses reset their state."""
         self._line = bytearray()
         self._echoed = 0
 
     def execute(self, line: str, now: float) -> None:
-        """Do what a line says, and answer."""
+        """Carry out a line, and answer."""
 
     def receive(self, data: bytes, now: float) -> None:
-        """Take bytes from the host."""
+        """Receive bytes from the host."""
         for byte in data:
             self._take(byte, now)
         self._echo_partial(now)
 
     def answer(self, text: str, now: float) -> None:
-        """Answer a line, unless that is lost."""
+        """Answer a line, unless a fault drops the answer."""
         if strikes(self._faults.drop, self.random):
             return
         if strikes(self._faults.garbage, self.random):
@@ -58,7 +58,7 @@ class AsciiDevice(Generic[F]):
         self.send(text.encode("ascii") + b"\r", now)
 
     def send(self, data: bytes, now: float) -> None:
-        """Put bytes on the line."""
+        """Send bytes on the line."""
         if self._faults.silent:
             return
         if strikes(self._faults.bit_flip, self.random):

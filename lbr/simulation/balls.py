@@ -1,4 +1,4 @@
-"""Coloured balls in a simulated world, which are only seen: each keeps to its path, until it is put elsewhere."""
+"""Coloured balls in a simulated world, visible only: each follows its path, until it is put elsewhere."""
 
 from collections.abc import Mapping
 from math import cos, pi, sin
@@ -20,7 +20,7 @@ Middle = tuple[float, float, float]
 
 
 class Ball(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A coloured ball that is only seen: its middle at first, and its path around there.
+    """A coloured ball, visible only: its first position, and its path around that.
 
     `to_and_fro`: `reach_m` to the left and right; `circle`: at `reach_m`, in the plane across x. `gone`: absent until
     it is put somewhere.
@@ -38,7 +38,7 @@ class Ball(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Balls:
-    """Any thread may ask; `apply` does it between two steps of the physics."""
+    """The balls of a world. Any thread may ask; `apply` changes them between two steps of the physics."""
 
     def __init__(self, model: Any, balls: Mapping[str, Ball]) -> None:
         self._balls = dict(balls)
@@ -48,12 +48,12 @@ class Balls:
 
     @property
     def still(self) -> bool:
-        """Return whether none moves, nor is to be put elsewhere."""
+        """Return whether no ball moves or is about to be put elsewhere."""
         return not self._changed and all(self._rests(name) for name in self._balls)
 
     @property
     def boxes(self) -> tuple[WorldBox, ...]:
-        """Return those that are there and rest, as what is seen from above."""
+        """Return the present balls at rest, as boxes for the view from above."""
         found = {name: self._where(name, 0.0) for name in self._balls if self._rests(name)}
         return tuple(_box(name, self._balls[name], at) for name, at in found.items() if at != _GONE)
 
@@ -81,7 +81,7 @@ class Balls:
         return text
 
     def answer(self, ctx: Context[Any], call: Call, request: BallRequest) -> None:
-        """Put a ball elsewhere as a call asks, and report it."""
+        """Put a ball elsewhere for a call, and answer it."""
         try:
             text = self.put(request)
         except InputError as err:
@@ -91,12 +91,12 @@ class Balls:
         call.reply(BallReply(accepted=True, reason=text))
 
     def middle(self, name: str, time_s: float) -> Middle | None:
-        """Return where a ball is; None if it is gone, or unknown."""
+        """Return the position of a ball; None if it is gone, or unknown."""
         at = self._where(name, time_s) if name in self._balls else _GONE
         return None if at == _GONE else at
 
     def apply(self, data: Any) -> None:
-        """Put every ball where it is now."""
+        """Put every ball at its present position."""
         self._changed = False
         for name, mocap in self._mocaps.items():
             data.mocap_pos[mocap] = self._where(name, data.time)
@@ -110,7 +110,7 @@ class Balls:
 
 
 def first_place(ball: Ball) -> Middle:
-    """Return where a ball is before the world has run."""
+    """Return the position of a ball before the world has run."""
     return _GONE if ball.gone else (ball.x_m, ball.y_m, ball.z_m)
 
 

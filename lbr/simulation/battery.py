@@ -30,7 +30,7 @@ class BatteryState:
         self.voltage_v = self._target_v()
 
     def draw(self, motor_amps_a: float, dt_s: float, charger_a: float = 0.0) -> None:
-        """Take the current of the motors and of the idle rest for a while; a charger gives up to `charger_a` (0: no
+        """Draw the current of the motors and of the idle electronics; a charger gives up to `charger_a` (0: no
         charger)."""
         settings = self._settings
         load_a = settings.idle_a + max(0.0, motor_amps_a)

@@ -6,7 +6,7 @@ _BITS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
 
 
 class Canvas:
-    """Dots, and letters over them; what lies outside is not drawn."""
+    """Dots, and letters over them; points outside are not drawn."""
 
     def __init__(self, columns: int, rows: int) -> None:
         self.width, self.height = columns * 2, rows * 4

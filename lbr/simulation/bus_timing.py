@@ -1,4 +1,4 @@
-"""The timing of a servo bus. All of it is simulated: a figure measured against it is not one of a real robot."""
+"""The timing of a servo bus. It is a simulation: measurements with it do not apply to a real robot."""
 
 from random import Random
 from typing import Annotated, NamedTuple
@@ -12,7 +12,7 @@ _DRIFT = 0.005
 
 
 class Rhythm(NamedTuple):
-    """When a servo's motor control interrupts it: its phase, and how far its clock is off."""
+    """The interrupts by a servo's motor control: their phase, and the error of its clock."""
 
     phase_s: float = 0.0
     drift: float = 0.0
@@ -22,12 +22,12 @@ STEADY = Rhythm()
 
 
 def rhythm(random: Random) -> Rhythm:
-    """Return some servo's rhythm: no two keep step."""
+    """Return a random servo's rhythm: no two have the same."""
     return Rhythm(random.uniform(0.0, 0.1), random.uniform(-_DRIFT, _DRIFT))
 
 
 class BusTiming(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Delays of an answer beyond its bytes' own time at the line's rate. Each part may be 0.
+    """Delays of an answer besides its bytes' own time at the line's rate. Each part may be 0.
 
     `ping_us`, `read_us`, `write_us`, `write_byte_us`: a servo's own time, by users; its return delay hides it, or adds to it with `delay_adds` (not measured). Every `interrupt_period_us` its motor control
     takes `interrupt_us`: the jitter. `usb_us`: host and USB, for a round trip; 1100 on the first owners' computer. `eeprom_us`: deafness for each EEPROM byte.
@@ -44,7 +44,7 @@ class BusTiming(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     eeprom_us: Us = 6000.0
 
     def thinking_s(self, code: int, written: int) -> float:
-        """Return how long a servo needs before it answers; `written` counts the bytes it was given."""
+        """Return the delay of a servo before it answers; `written` counts the bytes that it received."""
         if code == 1:
             return self.ping_us * _US
         return (self.read_us if code == 2 else self.write_us + self.write_byte_us * written) * _US

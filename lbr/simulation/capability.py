@@ -1,4 +1,4 @@
-"""The capability `world`: a room, a robot in it, and an emulated twin for each device row that has one."""
+"""The capability `world`: a room, a robot in it, and an emulated twin for each device row of a known type."""
 
 from collections import deque
 from functools import partial
@@ -25,11 +25,11 @@ from lbr.simulation.world import SimulatedWorld
 
 _TRAIL_EVERY_M = 0.03
 SAME_POSE_S = 0.5
-"""The pace of reports of a robot that stands still."""
+"""The interval of reports for a robot that stands still."""
 
 
 class World(SimulatedWorld[WorldSettings]):
-    """A room with a robot on wheels; tells the bus where that is."""
+    """A room with a robot on wheels; publishes the robot's pose."""
 
     def __init__(self, ctx: Context[WorldSettings]) -> None:
         super().__init__(ctx)
@@ -42,7 +42,7 @@ class World(SimulatedWorld[WorldSettings]):
         self._trail: deque[tuple[float, float]] = deque(maxlen=5000)
 
     def open(self) -> None:
-        """Build the world, plug the twins in and let time run."""
+        """Build the world, plug the twins in and start time."""
         settings = self.ctx.settings
         sensors, wheels, rollers = body_of(settings, self.ctx.rows)
         engine = self._engine = Engine(settings, sensors, wheels, rollers=rollers)
@@ -53,7 +53,7 @@ class World(SimulatedWorld[WorldSettings]):
         )
 
     def step(self) -> None:
-        """Publish what is due; raise what ended the world's thread."""
+        """Publish what is due; raise the error that ended the world's thread."""
         super().step()
         _, _, scene = self._running()
         if (now := self.ctx.clock()) >= self._scene_at:
@@ -61,7 +61,7 @@ class World(SimulatedWorld[WorldSettings]):
             self.ctx.publish("scene", scene)
 
     def tell_pose(self, now: float) -> None:
-        """Publish where the robot is, less often while it stands still."""
+        """Publish the pose of the robot, less often while it stands still."""
         physics, _, _ = self._running()
         pose = physics.pose
         still = msgspec.structs.replace(pose, battery_v=0.0, time_s=0.0)  # these two never stand still

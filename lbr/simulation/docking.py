@@ -19,7 +19,7 @@ _WINDOW_M = 0.005
 
 
 class DockSense:
-    """The signs of the dock at a robot; both sensors sit at its back."""
+    """The dock's signals at a robot; both sensors are at its back."""
 
     def __init__(self, mujoco: Any, model: Any, dock: Dock, body: Body) -> None:
         self._mujoco, self._model = mujoco, model
@@ -80,13 +80,13 @@ def world_dock(dock: Dock) -> WorldDock:
 
 
 def _into(place: Place, point: tuple[float, float]) -> tuple[float, float]:
-    """Return a point given from a place, in the world."""
+    """Return the world's coordinates of a point relative to a place."""
     x, y, yaw = place
     return x + point[0] * cos(yaw) - point[1] * sin(yaw), y + point[0] * sin(yaw) + point[1] * cos(yaw)
 
 
 def _from(place: Place, point: tuple[float, float]) -> tuple[float, float]:
-    """Return a point of the world as seen from a place."""
+    """Return the coordinates of a point of the world relative to a place."""
     x, y, yaw = place
     dx, dy = point[0] - x, point[1] - y
     return dx * cos(yaw) + dy * sin(yaw), dy * cos(yaw) - dx * sin(yaw)

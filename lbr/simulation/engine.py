@@ -1,4 +1,4 @@
-"""The physics of the simulated world: a robot on wheels among furniture, and what its devices measure there."""
+"""The physics of the simulated world: a robot on wheels among furniture, and the measurements of its devices."""
 
 from collections.abc import Callable, Mapping, Sequence
 from math import atan2, cos, hypot, isfinite, pi, sin
@@ -28,7 +28,7 @@ from lbr.simulation.settings import WorldSettings
 _SENSE_EVERY = 10
 _SETTLING_STEPS = 100
 _STILL, _STILL_STEPS = 1e-6, 125
-"""A body that moves slower than this, in m/s or rad/s, for so many steps and without power, stands."""
+"""A body that moves slower than this, in m/s or rad/s, for so many steps without power, stands."""
 
 _AMPS_PER_NM = 3.0
 _AMPS_SETTLE = 0.15
@@ -82,7 +82,7 @@ class Engine:
 
     @property
     def time_s(self) -> float:
-        """Seconds the world has run."""
+        """Return the seconds that the world has run."""
         return float(self._data.time)
 
     def step(self, left: float, right: float, dt_s: float) -> None:
@@ -102,17 +102,17 @@ class Engine:
 
     @property
     def resting(self) -> bool:
-        """Return whether nothing moves: then time passes without the physics, exactly as far as the next power or
+        """Return whether nothing moves: then time passes without the physics, exactly until the next power or
         change."""
         return self._still_steps >= _STILL_STEPS and not self._placed.changed and self.balls.still
 
     def rest(self, dt_s: float) -> None:
-        """Let time pass that the world stood: it is that before a power which has just come."""
+        """Let time pass in which the world stood, before a power that has just come."""
         self._owed_s += dt_s
         self._rest(self._owed_steps())
 
     def sensed(self) -> Sensed:
-        """Return the values that devices measure now."""
+        """Return the present measurements of devices."""
         per_turn = self.settings.body.counts_per_turn
         motors: dict[str, MotorSensed] = {}
         for at, wheel in enumerate(self._wheels):
@@ -139,31 +139,29 @@ class Engine:
 
     @property
     def ranges_m(self) -> dict[str, float | None]:
-        """Return what the sensors of a single distance face, in metres; null: nothing within reach."""
+        """Return the distances before the sensors of a single distance, in metres; None: nothing within reach."""
         return self._ranges
 
     def imu(self) -> ImuReading:
-        """Return what an inertial unit measures at the newest step of the physics; cheap, for a twin that is read."""
+        """Return an inertial unit's measurement at the newest step; cheap, for a twin that is read."""
         return self._imu.read(self._steps)
 
     def view(self) -> bytes:
-        """Return what a picture needs of this instant."""
+        """Return the data of a picture of this instant."""
         return view_of(self._model, self._data)
 
     def packed(self) -> bytes:
-        """Return the model, for the process that draws."""
+        """Return the model, for the drawing process."""
         return packed(self._model)
 
     def place(self, box: WorldBox) -> None:
-        """Let a thing appear with the next step, or move it if one of its name was placed; any thread may ask.
-
-        Raise InputError if there is no room for it.
-        """
+        """Place a thing with the next step, or move the one of its name; for any thread. Raise InputError without room
+        for it."""
         body = self.settings.body
         self._placed.place(box, (*self._place()[:2], hypot(body.length_m, body.width_m) / 2))
 
     def remove(self, name: str) -> None:
-        """Let a thing that was placed vanish; raise InputError if the name is unknown."""
+        """Remove a placed thing; raise InputError if the name is unknown."""
         self._placed.remove(name)
 
     def pose(self) -> WorldPose:
@@ -185,7 +183,7 @@ class Engine:
         )
 
     def scene(self) -> WorldScene:
-        """Return what does not move by itself, what was placed too, the robot's outline and its sensors."""
+        """Return the fixed and the placed things, the robot's outline and its sensors."""
         settings = self.settings
         return WorldScene(
             walls=(*map(_box, settings.walls), *self._placed.things, *self.balls.boxes),
@@ -196,13 +194,13 @@ class Engine:
         )
 
     def touching(self, *, dock: bool = False) -> bool:
-        """Return whether the robot touches something that stands in the room, its dock too if that counts."""
+        """Return whether the robot touches a thing in the room; `dock`: its dock counts, too."""
         data, things = self._data, self._standing if dock else self._walls
         pairs = (data.contact.geom[index] for index in range(data.ncon))
         return any((a in things and b in self._robot) or (b in things and a in self._robot) for a, b in pairs)
 
     def _side(self, sense: float) -> float:
-        """Return the power of one side: that of its wheels, on average."""
+        """Return the power of one side: the average of its wheels."""
         powers = [self._power.get(wheel.motor, 0.0) for wheel in self._wheels if wheel.y_m * sense > 0.0]
         return sum(powers) / max(1, len(powers))
 
@@ -214,7 +212,7 @@ class Engine:
         return [index for index in range(self._model.ngeom) if self._model.geom_group[index] == group]
 
     def _settle(self) -> None:
-        """Let the robot come to stand on its wheels, where it was put, before time begins."""
+        """Let the robot settle on its wheels before time begins."""
         start = self._data.qpos.copy()
         for _ in range(_SETTLING_STEPS):
             mujoco.mj_step(self._model, self._data)
@@ -229,7 +227,7 @@ class Engine:
         return steps
 
     def _rest(self, steps: int) -> None:
-        """Pass steps in which nothing moves: the battery and what noise there is go on."""
+        """Pass steps in which nothing moves: only the battery and noise go on."""
         if not steps:
             return
         self._data.time += steps * TIMESTEP_S
@@ -260,7 +258,7 @@ class Engine:
             self._sense()
 
     def _ramped(self, now_radps: float, power: float, radius: float) -> float:
-        """Return the wheel speed asked for next: motors speed up and slow down at what the drive can do."""
+        """Return the next wheel speed: motors accelerate and brake as the drive permits."""
         body = self.settings.body
         wanted = power * body.max_speed_mps / radius
         slowing = abs(wanted) < abs(now_radps) or wanted * now_radps < 0
@@ -281,12 +279,12 @@ class Engine:
         self.battery.draw(sum(self._drawn), dt_s, dock.current_a if dock and self._charging else 0.0)
 
     def _duty(self, speed_radps: float, torque_nm: float, radius: float) -> float:
-        """Return how far a bridge is open: as the wheel turns, and more as it is held."""
+        """Return the duty of a bridge: that of the wheel's speed, and more under load."""
         full_radps = self.settings.body.max_speed_mps / radius
         return max(-1.0, min(1.0, speed_radps / full_radps + torque_nm / (2 * MAX_TORQUE_NM)))
 
     def _sense(self) -> None:
-        """Look around: what is measured less often than the physics steps."""
+        """Look around: these measurements are less frequent than steps of the physics."""
         place = self._place()
         self._ranges = self._rangers.look(self._data, place, self._steps)
         self._scans = self._rangers.scan(self._data, place)
@@ -298,7 +296,7 @@ class Engine:
 def body_of(
     settings: WorldSettings, rows: Callable[[type[Any]], tuple[Any, ...]]
 ) -> tuple[tuple[RangeSensor, ...], tuple[Wheel, ...], bool]:
-    """Return a robot's sensors of distance, its wheels, and whether these have rollers, as its rows say."""
+    """Return a robot's sensors of distance, its wheels, and whether these have rollers, by its rows."""
     sensors = rows(RangeSensor) or ring(settings.body.length_m, settings.body.width_m)
     base = next(iter(rows(Kinematics)), None)
     wheels, rollers = (rows(Wheel), base.kind in HOLONOMIC) if base else ((), False)

@@ -1,4 +1,4 @@
-"""Faults of an emulated device: its row's setting `faults`, and changed while it runs."""
+"""Faults of an emulated device: in its row's setting `faults`, and changed while it runs."""
 
 from typing import Annotated, Any, TypeVar
 
@@ -22,9 +22,8 @@ class Faults(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class LineFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of a device on a line. `drop`: a reply is lost. `refuse`: a command is answered `-` and not obeyed. After
-    a `brown_out` all unsaved is gone.
-    """
+    """Faults of a device on a line. `drop`: a reply is lost. `refuse`: a command is answered `-` and ignored. After a
+    `brown_out`, unsaved state is gone."""
 
     silent: bool = False
     drop: Probability = 0.0
@@ -73,10 +72,10 @@ class ServoBusFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
 
 def changed(faults: F, name: str, value: FaultValue) -> F:
-    """Return the faults with one of them set; `replug` undoes `unplug`; raise InputError saying what is allowed.
+    """Return the faults with one of them set; `replug` undoes `unplug`; raise InputError with the permitted values.
 
-    A list may be one string with commas or a single number, a number may be a string too, true is 1 where a number is
-    meant, and null puts a fault back to its default.
+    A list may be one string with commas or a single number, and a number may be a string. True is 1 for a number, and
+    null resets a fault to its default.
     """
     if name == "replug":
         name, value = "unplug", not (True if value is None else value)

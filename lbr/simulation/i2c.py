@@ -1,7 +1,7 @@
-"""An i2c bus over a stream of bytes: transactions as the kernel's I2C_RDWR has them, and devices by their address.
+"""An i2c bus over a stream of bytes: transactions like those of the kernel's I2C_RDWR, and devices by their address.
 
-A request is u8 number of messages, and for each u8 address, u8 flags (1: read), u16 LE length and, if it writes, its
-bytes. The answer is u8 status, 0 or an errno, and if 0 the bytes of each read message in order.
+A request begins with u8 number of messages. Each is u8 address, u8 flags (1: read), u16 LE length and, if it writes,
+its bytes. The answer is u8 status, 0 or an errno, and if 0 the bytes of each read message in order.
 """
 
 import errno
@@ -20,7 +20,7 @@ _HEADER = struct.Struct("<BBH")
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """One message of a transaction: what it writes, or how many bytes it reads."""
+    """One message of a transaction: the bytes that it writes, or the number that it reads."""
 
     address: int
     write: bytes = b""
@@ -28,27 +28,27 @@ class Message:
 
 
 class I2cDevice(Protocol):
-    """A device on the bus; a message is the time between two start conditions."""
+    """A device on the bus; a message lasts from one start condition to the next."""
 
     def write(self, data: bytes, now: float) -> bool:
-        """Take bytes; false: not acknowledged."""
+        """Receive bytes; return False for not acknowledged."""
 
     def read(self, length: int, now: float) -> bytes | None:
-        """Give bytes; None: not acknowledged."""
+        """Return bytes; None for not acknowledged."""
 
 
 class FramingError(ValueError):
-    """The bytes are not a request; where the next one begins cannot be known."""
+    """The bytes are not a request; the beginning of the next one is unknown."""
 
 
 class RequestReader:
-    """Cuts what one client sends into transactions, however it is chopped."""
+    """Cuts a client's bytes into transactions, in pieces of any size."""
 
     def __init__(self) -> None:
         self._buffer = bytearray()
 
     def feed(self, data: bytes) -> list[tuple[Message, ...]]:
-        """Return the transactions that are now complete; raise FramingError on what can be none."""
+        """Return the transactions that are now complete; raise FramingError on other bytes."""
         self._buffer += data
         complete = []
         while (found := self._next()) is not None:
@@ -82,7 +82,7 @@ class RequestReader:
 
 
 def transfer(devices: Mapping[int, I2cDevice], messages: Sequence[Message], now: float) -> bytes:
-    """Carry a transaction out and return the answer: EREMOTEIO as soon as a device does not acknowledge."""
+    """Carry out a transaction and return the answer: EREMOTEIO as soon as a device does not acknowledge."""
     answer = bytearray(b"\0")
     for message in messages:
         device = devices.get(message.address)
@@ -105,13 +105,13 @@ def refusal() -> bytes:
 
 
 class RegisterDevice(ABC):
-    """A device of byte registers behind a pointer that a write's first byte sets and every byte moves on."""
+    """A device of byte registers behind a pointer, which a write's first byte sets and every byte advances."""
 
     def __init__(self) -> None:
         self._pointer = 0
 
     def write(self, data: bytes, now: float) -> bool:
-        """Set the pointer, and store what follows."""
+        """Set the pointer, and store the following bytes."""
         self.start(now)
         if data:
             self._pointer = data[0]
@@ -121,7 +121,7 @@ class RegisterDevice(ABC):
         return True
 
     def read(self, length: int, now: float) -> bytes | None:
-        """Read from the pointer on; what is read belongs to one instant, that of the start condition."""
+        """Read from the pointer on; all bytes belong to the instant of the start condition."""
         self.start(now)
         data = bytearray()
         for _ in range(length):
@@ -131,16 +131,16 @@ class RegisterDevice(ABC):
 
     @abstractmethod
     def start(self, now: float) -> None:
-        """Bring the registers to this instant."""
+        """Update the registers to this instant."""
 
     @abstractmethod
     def store(self, register: int, value: int, now: float) -> None:
-        """Take a byte."""
+        """Store a byte."""
 
     @abstractmethod
     def fetch(self, register: int, now: float) -> int:
-        """Give a byte."""
+        """Return a byte."""
 
     def after(self, register: int) -> int:
-        """Return where the pointer moves."""
+        """Return the next position of the pointer."""
         return (register + 1) & 0xFF

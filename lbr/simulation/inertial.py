@@ -9,11 +9,11 @@ from lbr.simulation.noise import Floats, Noise
 from lbr.simulation.settings import Imu
 
 _SMOOTHING = 0.5
-"""Share of the newest step in what is measured: a low pass of about 25 Hz at 250 steps a second."""
+"""Share of the newest step in a measurement: a low pass of about 25 Hz at 250 steps a second."""
 
 
 class InertialUnit:
-    """One unit; `follow` each step, `read` whenever it is read."""
+    """One unit: `follow` each step, `read` on request."""
 
     def __init__(self, settings: Imu, seed: int) -> None:
         self._bias = np.array((*settings.gyro_bias_rps, *settings.accel_bias_mps2, *settings.hard_iron_ut))
@@ -25,18 +25,18 @@ class InertialUnit:
         self._true: Floats | None = None
 
     def follow(self, data: Any) -> None:
-        """Take in a step of the physics; its sensors are gyro, accelerometer and magnetometer, in this order."""
+        """Process a step of the physics; its sensors are gyro, accelerometer and magnetometer, in this order."""
         if self._true is None:
             self._true = np.array(data.sensordata[:9])
         else:
             self._true += (data.sensordata[:9] - self._true) * _SMOOTHING
 
     def settle(self, data: Any) -> None:
-        """Take in that the physics stands."""
+        """Note that the physics stands."""
         self._true = np.array(data.sensordata[:9])
 
     def read(self, step: int) -> ImuReading:
-        """Return what it measures at a step."""
+        """Return the measurement at a step."""
         true = np.zeros(9) if self._true is None else self._true.copy()
         true[6:] = self._iron @ true[6:]
         a, b, c, d, e, f, g, h, i = (true + self._bias + self._spread * self._noise.at(step)).tolist()

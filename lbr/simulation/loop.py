@@ -1,4 +1,4 @@
-"""The thread in which a world lives: physics on time, and devices that answer at once."""
+"""The thread of a world: physics on time, and devices that answer at once."""
 
 import selectors
 import threading
@@ -10,45 +10,45 @@ from lbr.simulation.measured import ImuReading, Sensed
 from lbr.simulation.twins import Feeling, Twin
 
 SWITCH_S = 0.0005
-"""The time in which a world's thread is to get its turn; the usual 5 ms would show in the devices' answers."""
+"""The time within which a world's thread gets its turn; the default 5 ms would show in the devices' answers."""
 
 _LATEST_S = 0.1
-"""The world never makes up for more than this: a machine that slept does not find its robot elsewhere."""
+"""The world never catches up by more than this: a machine that slept does not find its robot elsewhere."""
 
 _SENSE_EVERY = 5
 
 _REST_S = 0.04
-"""The pace at which a resting world is looked at; as often as it is sensed while it moves."""
+"""The interval of looks at a resting world; the same as for measurements while it moves."""
 
 _RESTING_S = 0.3
 _RESTING_LOOK_S = 0.005
 
 
 class Physics(Protocol):
-    """The parts that a loop keeps on time: an engine together with those of its twins that move it."""
+    """The parts that a loop keeps on time: an engine with the twins that move it."""
 
     timestep_s: float
 
     def advance(self, now: float, dt_s: float) -> None:
-        """Run for a while, moved as its twins do now."""
+        """Run for `dt_s`, moved by the present state of its twins."""
 
     def resting(self, now: float) -> bool:
-        """Return whether nothing moves, nor is about to: then time needs no steps."""
+        """Return whether nothing moves or is about to: then time needs no steps."""
 
     def rest(self, dt_s: float) -> None:
         """Let time pass in which nothing has moved."""
 
     def imu(self) -> ImuReading:
-        """Return what an inertial unit measures at the newest step."""
+        """Return an inertial unit's measurement at the newest step."""
 
     def look(self, now: float) -> Sensed:
-        """Look around: return what devices can measure now, and keep what others ask for."""
+        """Look around: return the present measurements of devices, and keep the data that others ask for."""
 
     def moved_by(self, twin: Twin) -> bool:
-        """Return whether a twin moves what is in the world: such a one is there from the beginning."""
+        """Return whether a twin moves parts of the world: such a one exists from the beginning."""
 
     def at_rest(self, now: float) -> bool:
-        """Return whether nothing moves by power any more."""
+        """Return whether no power moves anything any more."""
 
 
 class WorldLoop:
@@ -74,14 +74,14 @@ class WorldLoop:
         self._thread.start()
 
     def add(self, twin: Twin) -> str:
-        """Have one more device plugged in while time runs; return why that cannot be. From another thread."""
+        """Plug in one more device while time runs; return why that fails. For another thread."""
         if self._physics.moved_by(twin):
             return f"'{twin.name}' moves what is in the world, and so is there from its beginning"
         self._coming.append(twin)
         return ""
 
     def step(self, dt_s: float) -> None:
-        """Do all that is due, then let time pass; for a caller that has the clock, and opens no thread."""
+        """Do all that is due, then let time pass; for a caller with its own clock and no thread."""
         now = self._clock()
         self._let_in()
         for twin in self._twins:
@@ -90,7 +90,7 @@ class WorldLoop:
         self._share()
 
     def close(self) -> None:
-        """End the thread, then pull every device out; a controller whose motors turn outlives its host for a while."""
+        """End the thread, then pull every device out; a controller outlives its host for a while if its motors turn."""
         for _ in range(round(_RESTING_S / _RESTING_LOOK_S)):
             if not self._thread.is_alive() or self._physics.at_rest(self._clock()):
                 break
@@ -120,7 +120,7 @@ class WorldLoop:
             busy = {id(key.data) for key, _ in heard} | {twin for twin, at in times.items() if at <= now}
             rests = self._physics.resting(now)
             if rests and now - last >= self._physics.timestep_s and any(id(twin) in busy for twin in self._feeling):
-                self._advance(now, min(now - last, _LATEST_S))  # what feels it tells of the newest step
+                self._advance(now, min(now - last, _LATEST_S))  # twins that follow each step then have the newest
                 last = now
             for twin in self._twins:
                 if now >= due or id(twin) in busy:
@@ -137,7 +137,7 @@ class WorldLoop:
                 step_s = _REST_S if self._physics.resting(now) else self._physics.timestep_s
                 last, due = now, max(due + step_s, now)
         for twin in self._twins:
-            twin.service(self._clock())  # what came due during the last step: a watchdog, the host's last bytes
+            twin.service(self._clock())  # events of the last step: a watchdog, the host's last bytes
 
     def _let_in(self) -> None:
         while self._coming:
@@ -148,7 +148,7 @@ class WorldLoop:
                 self._feeling.append(twin)
 
     def _watch(self, selector: selectors.BaseSelector) -> None:
-        """Wait for bytes only where they will be read; a full port would wake the loop for ever."""
+        """Wait for bytes only where they will be read; a full port would wake the loop forever."""
         for twin in self._twins:
             wanted = twin.watched()
             watched = self._watched.get(twin.name)

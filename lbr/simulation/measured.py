@@ -38,9 +38,9 @@ class Sensed(Struct, frozen=True, kw_only=True):
     `motors` has all.
 
     `scans_m` are distances along the rays of each scanner; null is nothing within reach. A world without wheels or
-    ranges leaves theirs out. `imu` is as old as this; a device that is read more often is told of each step.
-    `charging`: both contacts of the dock touch, and `charging_a` flows into the battery. `beams` are what the infrared
-    receiver sees of the dock now.
+    ranges leaves theirs out. `imu` is as old as this; a device that is read more often receives each step. `charging`:
+    both contacts of the dock touch, and `charging_a` flows into the battery. `beams` are the beams of the dock that the
+    infrared receiver sees now.
     """
 
     battery_v: float
@@ -60,10 +60,10 @@ class Sensed(Struct, frozen=True, kw_only=True):
 class ServoDrive(Struct, frozen=True, kw_only=True):
     """The motor of a servo by its registers, in the servo's own radians from the middle of its range.
 
-    `torque` is a fraction of its most; 0: none, it is limp. It goes to its goal at `speed_rps` at most (null: as fast
-    as it can). Within `margins_rad` of the goal its motor rests; beyond, its drive grows from `punch` by 1 over
+    `torque` is a fraction of its maximum; 0: it is limp. It goes to its goal at `speed_rps` at most (null: as fast as
+    it can). Within `margins_rad` of the goal its motor rests; beyond, its drive grows from `punch` by 1 over
     `slopes_rad`, up to `torque`. Both are for a goal that is further clockwise (negative) and further anticlockwise.
-    `brake`: without torque its motor is shorted, so that it turns as hard as one that is driven.
+    `brake`: without torque its motor is shorted, so it resists turning like a driven one.
     """
 
     goal_rad: float = 0.0
@@ -76,7 +76,7 @@ class ServoDrive(Struct, frozen=True, kw_only=True):
 
 
 class ServoFelt(Struct, frozen=True, kw_only=True):
-    """A servo by the world: its angle, its speed, and its motor's torque as a fraction of its most, signed."""
+    """A servo in the world: its angle, its speed, and its motor's torque as a fraction of its maximum, signed."""
 
     position_rad: float
     speed_rps: float = 0.0

@@ -102,7 +102,7 @@ class HumanoidPose(Struct, frozen=True, kw_only=True):
 
     @property
     def posture(self) -> str:
-        """Return how it is, in one word for people."""
+        """Return its posture, in one word for people."""
         if self.held or not self.upright:
             return "held" if self.held else "FALLEN"
         return "upright" if self.stands else "sitting"

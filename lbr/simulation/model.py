@@ -19,10 +19,10 @@ ROLLING_NM = 0.25
 """Gear and rolling friction of one wheel."""
 
 FLOOR, STANDING, ROBOT = 0, 1, 2
-"""Groups of geoms: the floor and what is only seen, what stands on it, the robot."""
+"""Groups of geoms: the floor and visible-only things, standing things, the robot."""
 
 PLACEABLE = tuple(f"placed {number}" for number in range(4))
-"""Bodies that wait below the floor until something is placed."""
+"""Bodies that wait below the floor until they are placed."""
 
 PARKED_M = -10.0
 DOCK = "dock"
@@ -33,7 +33,7 @@ _CLEARANCE_M = 0.04
 _DECK_M = 0.20
 _WHEEL_WIDTH_M = 0.04
 _WHEELS_SHARE = 0.1
-"""Of the robot's mass, in its wheels."""
+"""The share of the robot's mass in its wheels."""
 _CASTER_M = 0.03
 _CASTER_GAP_M = 0.002
 _SMOOTH = 'friction="0.3 0.005 0.0001"'
@@ -43,7 +43,7 @@ def model_xml(settings: WorldSettings, wheels: Sequence[Wheel] = (), *, rollers:
     """Return the model, with a camera for each of the robot's; `FLOOR`, `STANDING` and `ROBOT` are its groups.
 
     Without rows of wheels the robot has two. Each wheel, its joint and its motor have the name of its row. Wheels with
-    `rollers` slide on the floor: what drives such a base is `rollers.Rollers`.
+    `rollers` slide on the floor: `rollers.Rollers` drives such a base.
     """
     wheels = wheels or two_wheels(settings.body)
     return f"""
@@ -76,7 +76,7 @@ def two_wheels(body: Body) -> tuple[Wheel, ...]:
 
 
 def axle_m(wheels: Sequence[Wheel]) -> float:
-    """Return how high the middle of the base is above the floor: as high as the axle of its largest wheel."""
+    """Return the height of the middle of the base above the floor, which is that of its largest wheel's axle."""
     return max(wheel.diameter_m for wheel in wheels) / 2
 
 
@@ -174,12 +174,12 @@ def _place(mount: Mount, wheel_radius_m: float) -> str:
 
 
 def _turned(mount: Mount) -> str:
-    """Return yaw, then pitch, then roll, each about its own axis as the ones before have turned it."""
+    """Return yaw, then pitch, then roll, each about its own axis as turned by the previous ones."""
     return f'quat="{_numbers(*quaternion(mount))}"'
 
 
 def quaternion(mount: Mount) -> tuple[float, float, float, float]:
-    """Return how something is turned on the robot: w, x, y, z."""
+    """Return the turn of a mount on the robot: w, x, y, z."""
     r, p, y = (radians(angle) / 2 for angle in (mount.roll_deg, mount.pitch_deg, mount.yaw_deg))
     return (
         cos(r) * cos(p) * cos(y) + sin(r) * sin(p) * sin(y),

@@ -1,5 +1,4 @@
-"""Noise that is a function of seed, sensor and step: who reads which sensor how often changes nothing for the
-others."""
+"""Noise that is a function of seed, sensor and step, so that reading one sensor changes nothing for the others."""
 
 from zlib import crc32
 

@@ -1,4 +1,4 @@
-"""Draws pictures of the world beside its loop, and answers the asker when they are on the disk."""
+"""Draws pictures of the world beside its loop, and answers the sender once they are on the disk."""
 
 import os
 from collections.abc import Callable
@@ -27,9 +27,9 @@ class Painter:
         self._calls: list[tuple[Call, Path, Future[Path]]] = []
 
     def ask(self, call: Call, wanted: str, draw: Callable[[], "Image"]) -> None:
-        """Have a picture drawn and saved as a new file; one that is there stays as it is.
+        """Draw a picture and save it as a new file; an existing one stays as it is.
 
-        Where nobody chose a path, it goes to the home's pictures, under another name if there is one already.
+        Without a path, it goes to the home's pictures, under a free name.
         """
         try:
             path = Path(os.path.expanduser(wanted)) if wanted else _own_path(self._ctx)  # noqa: PTH111 - never fails
@@ -44,7 +44,7 @@ class Painter:
             self._calls.append((call, path, self._worker.submit(_save, path, draw, bool(wanted))))
 
     def finish(self) -> None:
-        """Answer for every picture that is done."""
+        """Answer for every finished picture."""
         done = [entry for entry in self._calls if entry[2].done()]
         self._calls = [entry for entry in self._calls if entry not in done]
         for call, path, work in done:
@@ -57,7 +57,7 @@ class Painter:
                 raise error
 
     def close(self) -> None:
-        """Let the picture being drawn be the last; those that still wait are refused."""
+        """Finish the present picture; waiting ones are refused."""
         self._worker.shutdown(wait=False, cancel_futures=True)
         for call, _, _ in self._calls:
             call.refuse("the world is closing", "shutting_down")
@@ -65,7 +65,7 @@ class Painter:
 
 
 def _rank_as_usual() -> None:
-    """Let what moves the robot go first: the world ranks with it, but a picture has time."""
+    """Lower the rank of this thread: the world ranks with the movers, but a picture has time."""
     if os.getpriority(os.PRIO_PROCESS, 0) < 0:
         os.setpriority(os.PRIO_PROCESS, 0, 0)
 

@@ -1,4 +1,4 @@
-"""MuJoCo, as the worlds use it."""
+"""MuJoCo, for the worlds."""
 
 import importlib
 import os
@@ -8,11 +8,11 @@ import numpy as np
 
 from lbr.errors import LbrError
 
-os.environ.pop("MUJOCO_GL", None)  # the choice of a renderer that is not installed would fail the import
+os.environ.pop("MUJOCO_GL", None)  # a renderer that is not installed would fail the import
 try:
     mujoco: Any = importlib.import_module("mujoco")  # its bindings carry no types
 except ImportError as err:
-    if isinstance(err.__cause__, KeyboardInterrupt):  # the bindings were interrupted while they began
+    if isinstance(err.__cause__, KeyboardInterrupt):  # the import of the bindings was interrupted
         raise KeyboardInterrupt from None
     raise LbrError(f"the simulated world needs MuJoCo ({err}): pip install 'lbr[sim]'") from err
 
@@ -27,5 +27,5 @@ def packed(model: Any) -> bytes:
 
 
 def unpacked(data: bytes) -> Any:
-    """Return the model that was packed."""
+    """Return the model from such bytes."""
     return mujoco.MjModel.from_binary_path(_FILE, {_FILE: data})

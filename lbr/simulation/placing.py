@@ -1,4 +1,4 @@
-"""Things that appear while the world runs: a few bodies wait below the floor until they are placed."""
+"""Things that are placed while the world runs: a few bodies wait below the floor for that."""
 
 from math import cos, hypot, sin
 from typing import Any
@@ -14,7 +14,7 @@ Triple = tuple[float, float, float]
 
 
 class Placed:
-    """The placed things, by name; any thread may ask, and `apply` does it between two steps of the physics."""
+    """The placed things, by name; any thread may ask, and `apply` places them between two steps of the physics."""
 
     def __init__(self, model: Any) -> None:
         self._things: dict[str, WorldBox] = {}
@@ -25,7 +25,7 @@ class Placed:
 
     @property
     def things(self) -> tuple[WorldBox, ...]:
-        """Return what is placed now."""
+        """Return the placed things."""
         return tuple(self._things.values())
 
     @property
@@ -34,7 +34,7 @@ class Placed:
         return self._changed
 
     def place(self, box: WorldBox, robot: tuple[float, float, float]) -> None:
-        """Let a thing appear, or move it if its name is known; `robot` is where that is, and its outline's radius."""
+        """Place a thing, or move it if its name is known; `robot` is the robot's place, and its outline's radius."""
         x, y, radius_m = robot
         if box.name not in self._slots and len(self._slots) == len(PLACEABLE):
             there = ", ".join(sorted(self._things))
@@ -49,7 +49,7 @@ class Placed:
         self._changed = True
 
     def remove(self, name: str) -> None:
-        """Let a thing vanish."""
+        """Remove a thing."""
         if name not in self._slots:
             raise InputError(
                 f"nothing called '{name}' was placed; there is: {', '.join(sorted(self._things)) or 'nothing'}"
@@ -58,7 +58,7 @@ class Placed:
         self._changed = True
 
     def apply(self, model: Any, data: Any) -> None:
-        """Put everything where it was placed, if anything has changed."""
+        """Put everything at its place, if anything has changed."""
         if not self._changed:
             return
         self._changed = False
@@ -72,7 +72,7 @@ class Placed:
 
 
 def resize(model: Any, geom: int, body: int, half: Triple) -> None:
-    """Give the only geom of a body another size, in all that the physics derives from it."""
+    """Resize the only geom of a body, with all values that the physics derives from it."""
     model.geom_size[geom] = half
     model.geom_rbound[geom] = sum(value**2 for value in half) ** 0.5
     model.geom_aabb[geom] = model.bvh_aabb[model.body_bvhadr[body]] = (0.0, 0.0, 0.0, *half)
@@ -85,7 +85,7 @@ def _set_up(thing: WorldBox) -> tuple[Triple, Quad, Triple]:
 
 
 def _gap_m(box: WorldBox, x_m: float, y_m: float) -> float:
-    """Return how far a point on the floor is from a thing."""
+    """Return the distance of a point on the floor from a thing."""
     c, s = cos(box.yaw_rad), sin(box.yaw_rad)
     dx, dy = x_m - box.x_m, y_m - box.y_m
     ahead, aside = abs(dx * c + dy * s) - box.length_m / 2, abs(dy * c - dx * s) - box.width_m / 2

@@ -1,4 +1,4 @@
-"""Plan geometry: where things are seen from above, and how metres become dots."""
+"""Plan geometry: positions seen from above, and the conversion of metres to dots."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -24,13 +24,13 @@ class Scale:
     height: int
 
     def dot(self, point: Point) -> Point:
-        """Return where a point is drawn."""
+        """Return the dot of a point."""
         x = self.width / 2 + (point[0] - self.centre[0]) * self.dots_per_m
         return x, self.height / 2 - (point[1] - self.centre[1]) * self.dots_per_m
 
 
 def fit(scene: WorldScene, pose: WorldPose, width: int, height: int) -> Scale:
-    """Return the scale at which everything is seen in `width` by `height` dots."""
+    """Return the scale at which everything fits into `width` by `height` dots."""
     points = [point for box in scene.walls for point in box_corners(box)]
     points += robot_corners(scene, pose)
     west, east = min(x for x, _ in points) - _MARGIN_M, max(x for x, _ in points) + _MARGIN_M
@@ -40,7 +40,7 @@ def fit(scene: WorldScene, pose: WorldPose, width: int, height: int) -> Scale:
 
 
 def below(scene: WorldScene) -> list[WorldBox]:
-    """Return what is not over everybody's head, the lowest first, so that what is above covers what is under it."""
+    """Return the things below head height, the lowest first, so that upper ones cover lower ones."""
     return sorted(
         (box for box in scene.walls if box.bottom_m < _OVERHEAD_M), key=lambda box: box.bottom_m + box.height_m
     )
@@ -80,7 +80,7 @@ def robot_arrow(scene: WorldScene, pose: WorldPose) -> list[Point]:
 
 
 def cones(scene: WorldScene, pose: WorldPose, ranges: Ranges) -> Iterator[tuple[str, list[Point]]]:
-    """Yield each measured range as the cone it stands for: the sensor's place, then the arc of the echo."""
+    """Yield each measured range as a cone: the sensor's place, then the arc of the echo."""
     for sensor in scene.sensors or _ring(scene):
         range_m = ranges.metres(sensor.name)
         if range_m is None:
@@ -92,7 +92,7 @@ def cones(scene: WorldScene, pose: WorldPose, ranges: Ranges) -> Iterator[tuple[
 
 
 def _ring(scene: WorldScene) -> Iterator[RangeSensor]:
-    """Return the ring that a world has which does not tell its sensors."""
+    """Yield the ring of a world that does not list its sensors."""
     return (sensor for sensor in ring(scene.robot_length_m, scene.robot_width_m) if sensor.level)
 
 

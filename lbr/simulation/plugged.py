@@ -1,4 +1,4 @@
-"""The devices of a world: a twin for each device row that has one, and what is made to go wrong with them."""
+"""The devices of a world: a twin for each device row of a known type, and their faults."""
 
 import json
 from collections.abc import Callable, Iterable
@@ -18,7 +18,7 @@ _LOCAL = ("/", "unix:/")
 
 
 def report_drawing(ctx: Context, said: Iterable[Drawing]) -> None:  # type: ignore[type-arg]  # any world's
-    """Say what draws the cameras' pictures, or why nothing does."""
+    """Report what draws the cameras' pictures, or why nothing does."""
     for drawing in said:
         if not drawing.renderer:
             ctx.warn(f"the emulated cameras show nothing: {drawing.note}", "not_possible")
@@ -28,7 +28,7 @@ def report_drawing(ctx: Context, said: Iterable[Drawing]) -> None:  # type: igno
 
 
 class Plugged:
-    """The twins by name; those of devices elsewhere, of types without one and of broken packages are not there."""
+    """The twins by name, except for devices elsewhere, of unknown types and of broken packages."""
 
     def __init__(self, ctx: Context, around: Surroundings) -> None:  # type: ignore[type-arg]  # any world's
         self._ctx = ctx
@@ -52,7 +52,7 @@ class Plugged:
             self._refused.append(f"device '{device.name}' ({device.type}) is not emulated: {why}")
 
     def report_missing(self) -> None:
-        """Say which devices have no twin, and which twins were refused."""
+        """Report the devices without a twin, and refused twins."""
         refused, self._refused = self._refused, []
         for said in refused:
             self._ctx.warn(said, "not_possible")
@@ -72,7 +72,7 @@ class Plugged:
             self._ctx.warn(text, "not_possible")
 
     def add(self, call: Call, request: PlugRequest, plug_in: Callable[[Twin], str]) -> None:
-        """Emulate one more device while time runs, and answer; `plug_in` says why its twin cannot come in now."""
+        """Emulate one more device while time runs, and answer; `plug_in` returns why its twin cannot be added now."""
         device = Device(request.device, request.type, request.address, request.settings)
         if any(one.name == device.name for one in self._devices):
             call.refuse(f"there is a device '{device.name}' already", "exists")
@@ -99,7 +99,7 @@ class Plugged:
         call.reply(CommandReply(accepted=True))
 
     def _out_of_place(self, device: Device) -> str:
-        """Return why nothing is emulated at an address; so that no request makes a file anywhere else."""
+        """Return why nothing is emulated at an address; so no request makes a file in another place."""
         place = Path(self._ctx.home) / "run" / f"{self._ctx.robot}-devices" / device.name
         return "" if device.address.removeprefix("unix:") == str(place) else f"new devices are emulated at {place}"
 

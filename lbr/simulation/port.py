@@ -44,7 +44,8 @@ class PtyPort:
         return self._master
 
     def plug(self) -> None:
-        """Make the tty, raw before it has a name, and link the path to it; raise DeviceError if the path is taken."""
+        """Make the tty, in raw mode before it has a name, and link the path to it; raise DeviceError if that is
+        taken."""
         if self._master is not None:
             return
         if self.path.exists() and not self.path.is_symlink():
@@ -60,7 +61,7 @@ class PtyPort:
             raise DeviceError(f"emulated port {self.path}: {err.strerror or err}; can this path be written?") from err
 
     def unplug(self) -> None:
-        """Take the tty and its name away; clients see what a pulled cable shows them."""
+        """Remove the tty and its name; clients see the same as with a pulled cable."""
         if self._target and self.path.is_symlink() and str(self.path.readlink()) == self._target:
             self.path.unlink(missing_ok=True)
         for descriptor in (self._master, self._keeper):
@@ -76,7 +77,7 @@ class PtyPort:
         return int(_TERMIOS2.unpack(fcntl.ioctl(self._master, _TCGETS2, bytes(_TERMIOS2.size)))[-1])
 
     def read(self) -> bytes:
-        """Return what clients wrote, empty if nothing."""
+        """Return bytes from clients, empty without any."""
         if self._master is None:
             return b""
         try:
@@ -87,7 +88,7 @@ class PtyPort:
             raise
 
     def write(self, data: bytes) -> int:
-        """Send to the clients and return how many bytes went; the rest is lost, as when a device's buffer is full."""
+        """Send to the clients and return the number of sent bytes; the rest is lost, as with a device's full buffer."""
         if self._master is None:
             return 0
         try:

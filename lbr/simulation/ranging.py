@@ -1,4 +1,4 @@
-"""Sensors of distance in the world: rays that fill a cone, the nearest of which comes back, or all around, each by
+"""Sensors of distance in the world: rays that fill a cone, with the nearest echo, or rays all around, each by
 itself."""
 
 from collections.abc import Iterable
@@ -16,13 +16,13 @@ REACH_M = 7.65
 """The greatest reading of an MB1220."""
 
 _FAN_RAD = 0.4 / 24
-"""Between rays side by side, and above each other: at 2 m no leg or table top of 4 cm slips through."""
+"""Between rays, in both directions: at 2 m no leg or table top of 4 cm slips through."""
 
 _RINGS = ((0.5, 8), (1.0, 12))
 
 
 class Rangers:
-    """The robot's sensors of distance that look out level; `look` and `scan` tell what they find from where it is."""
+    """The robot's level sensors of distance; `look` and `scan` return their distances from a place."""
 
     def __init__(
         self, mujoco: Any, model: Any, sensors: Iterable[RangeSensor], settings: Ultrasonic, seed: int
@@ -40,12 +40,12 @@ class Rangers:
         self._faced: dict[str, float | None] = {}
 
     def look(self, data: Any, place: tuple[float, float, float], step: int) -> dict[str, float | None]:
-        """Return what each sensor of a single distance finds in metres; null: nothing within its reach."""
+        """Return the distance of each single-distance sensor in metres; None: nothing within its reach."""
         self._faced = {sensor.name: self._nearest(data, place, sensor) for sensor in self._singles}
         return self.again(step)
 
     def again(self, step: int) -> dict[str, float | None]:
-        """Return what each of them finds while nothing has moved since they looked: other noise, no rays."""
+        """Return the same distances with new noise, without rays, while nothing has moved since the last look."""
         return {name: self._measured_m(name, nearest_m, step) for name, nearest_m in self._faced.items()}
 
     def scan(self, data: Any, place: tuple[float, float, float]) -> dict[str, tuple[float | None, ...]]:
@@ -79,7 +79,7 @@ class Rangers:
     def _cast(
         self, data: Any, place: tuple[float, float, float], sensor: RangeSensor, reach_m: float
     ) -> tuple[Any, Floats, Floats | None, Floats]:
-        """Return which thing each ray of a sensor hits (-1: none) and how far away, with its normal if that matters."""
+        """Return the body that each ray of a sensor hits (-1: none) and its distance, with the normal if needed."""
         x, y, yaw = place
         c, s = cos(yaw), sin(yaw)
         height_m = self._settings.height_m if self._settings.height_m is not None else sensor.z_m
@@ -106,12 +106,12 @@ def _cone(fov_rad: float) -> Floats:
 
 
 def _fan(sensor: RangeSensor) -> Floats:
-    """Return the rays of a scan, in a plane, where its first one looks to the right."""
+    """Return the rays of a scan, in a plane, with the first one to the right."""
     return np.array([(cos(angle), sin(angle), 0.0) for angle in sensor.angles()])
 
 
 def _turned(rays: Floats, sensor: RangeSensor) -> Floats:
-    """Return rays around x as the sensor is turned on the robot: yaw, then pitch, downwards positive."""
+    """Return rays around x, turned as the sensor is on the robot: yaw, then pitch, downwards positive."""
     cp, sp, cy, sy = cos(sensor.pitch_rad), sin(sensor.pitch_rad), cos(sensor.yaw_rad), sin(sensor.yaw_rad)
     pitched = rays @ np.array([[cp, 0.0, -sp], [0.0, 1.0, 0.0], [sp, 0.0, cp]])
     turned: Floats = pitched @ np.array([[cy, sy, 0.0], [-sy, cy, 0.0], [0.0, 0.0, 1.0]])
@@ -119,5 +119,5 @@ def _turned(rays: Floats, sensor: RangeSensor) -> Floats:
 
 
 def _uniform(normal: float) -> float:
-    """Return how often a normal value is smaller: an even chance between 0 and 1."""
+    """Return the probability that a normal value is smaller: uniform between 0 and 1."""
     return (1.0 + erf(normal / sqrt(2.0))) / 2.0

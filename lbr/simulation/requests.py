@@ -12,7 +12,7 @@ Pixels = Annotated[int, Meta(ge=100, le=4000)]
 
 
 class PlugRequest(Struct, frozen=True, kw_only=True):
-    """Emulate one more device beside this robot's; the executive asks it for a new row."""
+    """Emulate one more device of this robot; the executive sends it for a new row."""
 
     device: Name
     type: str
@@ -49,7 +49,7 @@ class PlaceRequest(Struct, frozen=True, kw_only=True):
 
 
 class RemoveRequest(Struct, frozen=True, kw_only=True):
-    """Let a thing that was placed vanish."""
+    """Remove a placed thing."""
 
     name: Annotated[str, Meta(min_length=1, max_length=40)] = "obstacle"
 
@@ -80,7 +80,7 @@ class BallReply(Struct, frozen=True, kw_only=True):
 
 
 class HandRequest(Struct, frozen=True, kw_only=True):
-    """Have a hand move a joint of a humanoid there, and hold it, as a person moves a limp one. `gone`: it leaves all."""
+    """Have a hand move a humanoid's joint there, and hold it, as a person moves a limp one. `gone`: it releases all."""
 
     joint: NameOrNone = ""
     angle_deg: Annotated[float, Meta(ge=-360.0, le=360.0, description="degrees from the joint's zero")] = 0.0
@@ -99,7 +99,7 @@ class PictureRequest(Struct, frozen=True, kw_only=True):
 
 
 class PictureReply(Struct, frozen=True, kw_only=True):
-    """Where the picture is."""
+    """The file of the picture."""
 
     accepted: bool
     reason: str = ""
@@ -107,14 +107,14 @@ class PictureReply(Struct, frozen=True, kw_only=True):
 
 
 class PickUpRequest(Struct, frozen=True, kw_only=True):
-    """Put the humanoid back as it began: on its feet in a helper's hand that holds it until its servos have torque.
+    """Put the humanoid back as it began: on its feet in a helper's hand, which holds it until its servos have torque.
 
-    One that begins at rest rests again, unless a servo has torque: then a hand holds it until all have.
+    A humanoid that begins at rest rests again, unless a servo has torque: then a hand holds it until all have.
     """
 
 
 class PickUpReply(Struct, frozen=True, kw_only=True):
-    """Say how it is now."""
+    """The result, in words."""
 
     accepted: bool
     reason: str = ""

@@ -1,4 +1,4 @@
-"""Wheels with rollers on the floor: each pushes the base across its rollers, and lets it slide along them."""
+"""Wheels with rollers on the floor: each pushes the base across its rollers, and slides along them."""
 
 from collections.abc import Sequence
 from math import cos, sin
@@ -8,13 +8,13 @@ from lbr.messages.kinematics import Wheel
 
 GRAVITY = 9.81
 GRIP = 0.8
-"""Force across the rollers, at most, as a part of the weight on the wheel: rubber on a smooth floor."""
+"""The greatest force across the rollers, as a share of the weight on the wheel: rubber on a smooth floor."""
 STIFFNESS = 0.2
-"""Of the force that would end all slip within one step; more makes the steps swing."""
+"""The share of the force that would end all slip within one step; with more, the steps oscillate."""
 
 
 class _Contact(NamedTuple):
-    """Where a wheel touches the floor, which way it pushes, and how fast for each radian a second of its own."""
+    """A wheel's contact with the floor: its place, the direction of its push, and its speed at one radian a second."""
 
     x_m: float
     y_m: float
@@ -25,7 +25,7 @@ class _Contact(NamedTuple):
 
 
 class Rollers:
-    """The action of the floor on a base on such wheels; `push` before each step of the physics."""
+    """The forces of the floor on a base with such wheels; call `push` before each step of the physics."""
 
     def __init__(self, model: Any, wheels: Sequence[Wheel], dofs: Sequence[int], mass_kg: float, step_s: float) -> None:
         self._base = int(model.body("base").id)
@@ -34,7 +34,7 @@ class Rollers:
         self._most_n, self._per_mps = GRIP * each_kg * GRAVITY, STIFFNESS * each_kg / step_s
 
     def push(self, data: Any, yaw: float) -> None:
-        """Set what the floor does to base and wheels, by how they move now."""
+        """Set the floor's forces on base and wheels, by their present motion."""
         c, s = cos(yaw), sin(yaw)
         east_mps, north_mps, turn_rps = (float(data.qvel[axis]) for axis in (0, 1, 5))
         ahead_mps, aside_mps = c * east_mps + s * north_mps, c * north_mps - s * east_mps

@@ -13,10 +13,8 @@ GREY = "#607068"
 
 
 class BoxSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Something in the room: its centre, its full size, and its turn anticlockwise.
-
-    A cylinder stands upright, `length_m` thick. A thing that is not `solid` is only seen.
-    """
+    """Something in the room: its centre, its full size, and its turn anticlockwise. A cylinder stands upright,
+    `length_m` thick. A thing that is not `solid` is only visible."""
 
     name: str
     x_m: Place
@@ -49,7 +47,7 @@ def post(
 
 
 def on_legs(top: BoxSettings, leg_m: float) -> tuple[BoxSettings, ...]:
-    """Return a plate and the four legs, so thick, that carry it; the plate is not turned."""
+    """Return a plate with the four legs that carry it, `leg_m` thick; the plate is not turned."""
     ahead, aside = top.length_m / 2 - leg_m, top.width_m / 2 - leg_m
     corners = ((ahead, aside), (-ahead, aside), (-ahead, -aside), (ahead, -aside))
     legs = (
@@ -109,4 +107,4 @@ _FURNITURE = (
 )
 
 ROOM = (*_WALLS, *_FURNITURE)
-"""A room of 6 by 5 m with a door to a hall; the robot starts at the origin with 4.5 m free ahead of it."""
+"""A room of 6 by 5 m with a door to a hall. The robot starts at the origin with 4.5 m of free space ahead."""

@@ -64,7 +64,7 @@ class Battery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Mount(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The place of something on the robot, z above the floor, turned by yaw, then pitch, then roll (REP 103)."""
+    """The place of a part on the robot, z above the floor, turned by yaw, then pitch, then roll (REP 103)."""
 
     x_m: Place = 0.0
     y_m: Place = 0.0
@@ -103,17 +103,17 @@ class Compass(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     @property
     def vector_ut(self) -> Vector:
-        """The field in the world's axes; z is up."""
+        """Return the field in the world's axes; z is up."""
         down, north = radians(self.inclination_deg), radians(self.north_deg)
         level = self.field_ut * cos(down)
         return level * cos(north), level * sin(north), -self.field_ut * sin(down)
 
 
 class Ultrasonic(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Sensors of a single distance: noise, and what they miss. `height_m` null: that of their rows.
+    """Sensors of a single distance: noise and lost echoes. `height_m` null: that of their rows.
 
-    Noise is `noise_m`, and `noise_per_m` for each metre. `dropout`: how often a reading finds nothing. A surface hit
-    more than `grazing_deg` off its normal gives no echo; 90: all do.
+    Noise is `noise_m`, and `noise_per_m` for each metre. `dropout`: the share of readings without an echo. A surface
+    hit more than `grazing_deg` off its normal gives no echo; 90: all do.
     """
 
     height_m: Height | None = None
@@ -154,13 +154,13 @@ CAMERAS = {
 }
 """On the mast, looking a little down."""
 BALLS = {"ball": Ball(x_m=1.5, z_m=1.0, radius_m=0.07, gone=True)}
-"""As a person would hold it before the camera, once it is put anywhere."""
+"""At the height at which a person holds it before the camera, once it is placed."""
 
 
 class WorldSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The simulated world.
 
-    `seed` fixes all noise. `walls`: all that stands there, furniture too. `dock` null: none. `cameras`: their places,
+    `seed` fixes all noise. `walls`: all fixed things, including furniture. `dock` null: none. `cameras`: their places,
     by name; `balls`: their targets, without echo or body. `trace`: a file that gets each change of the motor outputs.
     """
 

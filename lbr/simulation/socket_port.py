@@ -1,4 +1,4 @@
-"""A unix socket in place of a device that is no tty: an i2c bus, a camera."""
+"""A unix socket in place of a device without a tty: an i2c bus, a camera."""
 
 import select
 import socket
@@ -15,7 +15,7 @@ _PREFIX = "unix:"
 
 
 class SocketPort:
-    """Listens at `path` and talks to its clients; never blocks. Clients are told apart by a number."""
+    """Listens at `path` and serves its clients; never blocks. A number identifies each client."""
 
     def __init__(self, address: str | Path) -> None:
         self.path = Path(str(address).removeprefix(_PREFIX))
@@ -38,17 +38,17 @@ class SocketPort:
 
     @property
     def clients(self) -> tuple[int, ...]:
-        """Return the connected peer."""
+        """Return the connected clients."""
         return tuple(self._clients)
 
     def fileno(self) -> int:
-        """Return a descriptor that is readable when anybody wants something; raise DeviceError while unplugged."""
+        """Return a descriptor that is readable when a client wants something; raise DeviceError while unplugged."""
         if self._poll is None:
             raise DeviceError(f"emulated port {self.path}: it is unplugged")
         return self._poll.fileno()
 
     def plug(self) -> None:
-        """Listen; raise DeviceError if the path is taken by something that is no socket, or cannot be."""
+        """Listen; raise DeviceError if the path is taken by something that is not a socket, or is invalid."""
         if self._poll is not None:
             return
         if self.path.exists() and not (self.path.is_socket() or self.path.is_symlink()):
@@ -62,7 +62,7 @@ class SocketPort:
             with address_of(unfinished) as address:
                 listener.bind(address)
             listener.listen(_MOST_CLIENTS)
-            unfinished.replace(self.path)  # whoever sees the name can connect
+            unfinished.replace(self.path)  # from here on, clients can connect
             stat = self.path.stat()
         except OSError as err:
             listener.close()
@@ -73,7 +73,7 @@ class SocketPort:
         self._poll.register(listener.fileno(), select.EPOLLIN)
 
     def unplug(self) -> None:
-        """Close every connection and take the name away."""
+        """Close every connection and remove the name."""
         for client in self.clients:
             self.drop(client)
         if self._listener is not None:
@@ -84,7 +84,7 @@ class SocketPort:
         self._listener = self._poll = None
 
     def receive(self) -> list[tuple[int, bytes]]:
-        """Return what clients sent since; no bytes: this one is new, or has gone and is no longer in `clients`."""
+        """Return the bytes of clients since the last call; empty bytes: the client is new, or gone from `clients`."""
         if self._poll is None or self._listener is None:
             return []
         news = []
@@ -96,7 +96,7 @@ class SocketPort:
         return news
 
     def send(self, client: int, data: bytes) -> int:
-        """Send what can be sent now and return how much went; a client that is gone is dropped."""
+        """Send as much as possible now and return the number of bytes; a client that is gone is dropped."""
         connection = self._clients.get(client)
         if connection is None:
             return 0
@@ -115,7 +115,7 @@ class SocketPort:
             connection.close()
 
     def hand_over(self, client: int) -> socket.socket | None:
-        """Return a connection that is no longer ours."""
+        """Return a connection for another owner, and forget it."""
         connection = self._clients.pop(client, None)
         if connection is not None and self._poll is not None:
             with suppress(OSError):

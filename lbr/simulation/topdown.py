@@ -1,4 +1,4 @@
-"""The world from above, from its messages alone: lines of text for a terminal, or a picture."""
+"""The world from above, from its messages alone: as text for a terminal, or as a picture."""
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
@@ -90,7 +90,7 @@ def image(
     width: int = 900,
     height: int = 750,
 ) -> "Image":
-    """Return the view as a picture, with where the robot has been and a scale; needs Pillow."""
+    """Return the view as a picture, with the robot's trail and a scale; needs Pillow."""
     from PIL import Image, ImageDraw
 
     picture = Image.new("RGB", (width, height), _PAPER)

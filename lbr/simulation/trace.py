@@ -1,4 +1,4 @@
-"""Files of what emulated devices heard and did, and when: evidence of bytes, and for stopping times."""
+"""Trace files of the input and output of emulated devices, with times: evidence of bytes, and of stopping times."""
 
 import os
 from pathlib import Path
@@ -8,9 +8,9 @@ from lbr.messages.rows import short
 
 
 class TraceFile:
-    """Appends at once, unbuffered: lines of `monotonic_ns` and what happened; nothing where the path is empty.
+    """Appends at once, unbuffered: lines of `monotonic_ns` and an event; nothing without a path.
 
-    `setting` says what named the file, should it not be writable.
+    `setting` names the path's setting, for the error if it is not writable.
     """
 
     def __init__(self, path: str, setting: str) -> None:
@@ -18,7 +18,7 @@ class TraceFile:
 
     @property
     def wanted(self) -> bool:
-        """Return whether anything is kept."""
+        """Return whether it writes anything."""
         return self._file is not None
 
     def write(self, now: float, text: str) -> None:
@@ -34,10 +34,11 @@ class TraceFile:
 
 
 class OutputTrace:
-    """Appends at once, unbuffered: `monotonic_ns left right cause` on each change, `monotonic_ns line !…` as heard.
+    """Appends at once, unbuffered: `monotonic_ns left right cause` on each change, `monotonic_ns line !…` for each
+    line.
 
-    Left and right are wheels, forward positive. The cause is command, watchdog, emergency_stop, reset, fault (of the
-    supply or temperature), unplug (the cable went; outputs as they were at that moment) or close.
+    Left and right are wheels, forward positive. The cause is command, watchdog, emergency_stop, reset, fault, unplug or
+    close. `fault` is of the supply or temperature; `unplug` has the outputs at the moment when the cable went.
     """
 
     def __init__(self, path: str) -> None:
@@ -51,7 +52,7 @@ class OutputTrace:
             self._file.write(now, f"{outputs[0]:g} {outputs[1]:g} {cause}")
 
     def line(self, now: float, line: str) -> None:
-        """Write a command line that was heard."""
+        """Write a received command line."""
         self._file.write(now, f"line {line}")
 
     def close(self, now: float) -> None:

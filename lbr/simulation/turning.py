@@ -1,4 +1,4 @@
-"""The turn of a servo when no world moves it: towards its goal at its speed, and softly over the last bit."""
+"""The motion of a servo without a world: towards its goal at its speed, and more slowly near it."""
 
 from math import copysign, exp, inf
 
@@ -8,7 +8,7 @@ _SOFT_S = 0.02
 
 
 def moved(drive: ServoDrive, felt: ServoFelt, dt_s: float, no_load_rps: float) -> ServoFelt:
-    """Return where a servo that carries nothing is `dt_s` later; limp it stays where it is."""
+    """Return a servo without load `dt_s` later; if it is limp it stays."""
     way = drive.goal_rad - felt.position_rad
     margin, slope = (pair[way > 0] for pair in (drive.margins_rad, drive.slopes_rad))
     if drive.torque <= 0.0 or abs(way) <= margin:

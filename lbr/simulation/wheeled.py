@@ -11,7 +11,7 @@ from lbr.simulation.twins import MotorDrive, Twin, WheelDrive
 
 
 class WheeledPhysics:
-    """`pose` and `ranges_m` are the newest."""
+    """The physics with its twins. `pose` and `ranges_m` are the newest."""
 
     timestep_s = TIMESTEP_S
 
@@ -23,11 +23,11 @@ class WheeledPhysics:
         self._cameras = cameras
 
     def advance(self, now: float, dt_s: float) -> None:
-        """Run for a while with the wheels as the motor controllers have them."""
+        """Run for `dt_s` with the power of the motor controllers."""
         self._engine.drive(self._powers(now), dt_s)
 
     def resting(self, now: float) -> bool:
-        """Return whether nothing moves, nor is about to."""
+        """Return whether nothing moves or is about to."""
         return self._engine.resting and self.at_rest(now)
 
     def rest(self, dt_s: float) -> None:
@@ -35,7 +35,7 @@ class WheeledPhysics:
         self._engine.rest(dt_s)
 
     def imu(self) -> ImuReading:
-        """Return what an inertial unit measures at the newest step."""
+        """Return an inertial unit's measurement at the newest step."""
         return self._engine.imu()
 
     def look(self, now: float) -> Sensed:

@@ -1,4 +1,4 @@
-"""A simulated serial line's time: answers come no earlier than their bytes would take, and may be spoilt."""
+"""The timing of a simulated serial line: answers come no earlier than their bytes, and may be spoilt."""
 
 from collections import deque
 from random import Random
@@ -11,7 +11,7 @@ _BABBLE_S = 0.004
 
 
 class Outbox:
-    """Bytes on their way to the host, each chunk with the moment its last byte has crossed the line."""
+    """Bytes on their way to the host, each chunk with the time at which its last byte has crossed the line."""
 
     def __init__(self, byte_s: float = BYTE_S) -> None:
         self._byte_s = byte_s
@@ -21,22 +21,22 @@ class Outbox:
         self._free_at = 0.0
 
     def received(self, count: int, now: float) -> None:
-        """Account for the time that `count` bytes from the host took to arrive."""
+        """Add the time that `count` bytes from the host took to arrive."""
         self._heard_at = max(now, self._heard_at) + count * self._byte_s
 
     def send(self, data: bytes, now: float, turnaround_s: float = 0.0) -> None:
-        """Put an answer on the line, as soon as that is free."""
+        """Send an answer as soon as the line is free."""
         if self._fits(data):
             self._free_at = max(now, self._free_at, self._heard_at + turnaround_s) + len(data) * self._byte_s
             self._put(data, self._free_at)
 
     def arrive(self, data: bytes, at: float) -> None:
-        """Have bytes arrive at a time, behind those that were there before."""
+        """Let bytes arrive at a time, behind the earlier ones."""
         if data and self._fits(data):
             self._put(data, max(at, self._chunks[-1][0]) if self._chunks else at)
 
     def due(self, now: float) -> bytes:
-        """Take what has crossed the line so far."""
+        """Remove and return the bytes that have crossed the line so far."""
         taken = []
         while self._chunks and self._chunks[0][0] <= now:
             taken.append(self._chunks.popleft()[1])
@@ -49,18 +49,18 @@ class Outbox:
         return self._chunks[0][0] if self._chunks else None
 
     def lose_after(self, now: float) -> None:
-        """Lose what is still under way."""
+        """Drop the bytes that are still under way."""
         while self._chunks and self._chunks[-1][0] > now:
             self._size -= len(self._chunks.pop()[1])
 
     def clear(self) -> None:
-        """Lose everything under way."""
+        """Drop all bytes under way."""
         self._chunks.clear()
         self._size = 0
         self._heard_at = self._free_at = 0.0
 
     def _fits(self, data: bytes) -> bool:
-        """Return whether a port buffers so much; beyond that bytes are lost."""
+        """Return whether a port buffers so much; further bytes are lost."""
         return self._size + len(data) <= _LIMIT_BYTES
 
     def _put(self, data: bytes, at: float) -> None:
@@ -69,14 +69,14 @@ class Outbox:
 
 
 class Babble:
-    """Noise all the time, while it is wanted."""
+    """Continuous noise, while it is on."""
 
     def __init__(self, random: Random) -> None:
         self._random = random
         self.next_at = 0.0
 
     def due(self, now: float) -> bytes:
-        """Return the noise of now."""
+        """Return the noise of this moment."""
         if now < self.next_at:
             return b""
         self.next_at = now + self._random.uniform(0.5, 1.5) * _BABBLE_S
@@ -84,7 +84,7 @@ class Babble:
 
 
 def strikes(probability: float, random: Random) -> bool:
-    """Draw whether a fault strikes this time."""
+    """Return whether a fault strikes this time, at random."""
     return probability > 0 and random.random() < probability
 
 
@@ -94,7 +94,7 @@ def noise(random: Random) -> bytes:
 
 
 def flip_one_bit(data: bytes, random: Random) -> bytes:
-    """Return the data with one of its bits wrong."""
+    """Return the data with one flipped bit."""
     if not data:
         return data
     spoilt = bytearray(data)

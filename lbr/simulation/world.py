@@ -23,14 +23,14 @@ class Drawn(Protocol):
     """An engine whose world cameras show."""
 
     def view(self) -> bytes:
-        """Return what a picture needs of this instant."""
+        """Return the data of a picture of this instant."""
 
     def packed(self) -> bytes:
-        """Return the model, for the process that draws."""
+        """Return the model, for the drawing process."""
 
 
 class SimulatedWorld(Capability[S]):
-    """Serves the devices from a thread of its own; `tell_pose` is called as often as the row says."""
+    """Serves the devices from a thread of its own; `tell_pose` is called at the rate of the row."""
 
     def __init__(self, ctx: Context[S]) -> None:
         super().__init__(ctx)
@@ -43,7 +43,7 @@ class SimulatedWorld(Capability[S]):
         self._switch_s = sys.getswitchinterval()
 
     def begin(self, engine: Drawn, physics: Callable[[tuple[Twin, ...], CameraHost], P], **around: Any) -> P:
-        """Plug the twins in and let time run; `around` is what else they are built with."""
+        """Plug the twins in and start time; `around` are further arguments for the twins."""
         sys.setswitchinterval(SWITCH_S)
         self._pose_at = self.ctx.clock()
         self._painter = Painter(self.ctx)
@@ -58,7 +58,7 @@ class SimulatedWorld(Capability[S]):
         return made
 
     def step(self) -> None:
-        """Publish what is due; raise what ended the world's thread."""
+        """Publish what is due; raise the error that ended the world's thread."""
         loop, _ = self._begun()
         if loop.failure is not None:
             raise loop.failure

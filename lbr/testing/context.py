@@ -1,4 +1,4 @@
-"""A capability's context as it is run, on a bus in memory on which a test is everybody else."""
+"""A capability's real context, on a bus in memory whose other participants are played by a test."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -42,7 +42,7 @@ class FakeEstop(EstopLatch):
 
 @dataclass
 class FakeCall:
-    """A command that waits for its `answer`, which it takes once."""
+    """A command that waits for its `answer`, which it accepts once."""
 
     name: str
     message: Any
@@ -57,11 +57,11 @@ class FakeCall:
 
     @property
     def refused(self) -> str:
-        """Why it was refused; empty if it was not, or not yet."""
+        """Return why it was refused; empty if it was not, or not yet."""
         return "" if getattr(self.answer, "accepted", True) else str(getattr(self.answer, "reason", "refused"))
 
     def reply(self, answer: Struct, *, quiet: bool = False) -> None:
-        """Keep the answer; a second one is a defect, and so is a refusal whose code is not on the list."""
+        """Keep the answer; a second one is a defect, and so is a refusal with an unknown code."""
         del quiet
         assert self.answer is None, "answered twice"
         if not getattr(answer, "accepted", True):
@@ -76,7 +76,7 @@ class FakeCall:
 
 
 class Given:
-    """A question that is over; None: it was not answered."""
+    """An answered question; None: without an answer."""
 
     done = True
 
@@ -86,7 +86,7 @@ class Given:
 
 @dataclass
 class FakeAsked:
-    """A question that was put, to `only` some or to all; `given` are the answers by capability, None while it waits."""
+    """A question that was asked, of `only` some or of all; `given` are the answers, None while it waits."""
 
     request: str
     message: Any
@@ -95,14 +95,14 @@ class FakeAsked:
     decoder: Decoder[Any] = field(default_factory=lambda: Decoder(CommandReply))
 
     def answers(self) -> Mapping[str, Any] | None:
-        """Return what was given, as it is read from its bytes."""
+        """Return the given answers, decoded from their bytes."""
         if self.given is None:
             return None
         return Answers({name: Given(one) for name, one in self.given.items()}, self.decoder).answers()
 
 
 class AtOnce(Memory):
-    """A bus by a test's clock, on which nothing waits for the next round."""
+    """A bus on a test's clock, where nothing waits for the next round."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock = clock
@@ -118,12 +118,11 @@ class AtOnce(Memory):
 
 
 class FakeContext(ProcessContext):
-    """A capability's context: `now` is the time, `published` and `events` are kept, `arrive` is what it hears.
+    """A capability's context: `now` is the time, `published` and `events` are kept, `arrive` sends it messages.
 
-    A question is answered with what stands in `replies` for its request, at once; without an entry it waits. The
-    capability behind a port or request stands in `wired`, by default one of that name; dead ones stand in `gone`,
-    outputs without subscriber in `unwatched`. `given` are its rows, of the tables that its kind reads, and `kept` those
-    it has learnt.
+    A question is answered at once by its request's entry in `replies`; without an entry it waits. `wired` maps a port
+    or request to its capability, by default one of the same name. `gone` are dead capabilities, `unwatched` outputs
+    without a subscriber. `given` are its rows, of the tables that its kind reads, and `kept` those that it has learnt.
     """
 
     estop: FakeEstop
@@ -162,11 +161,11 @@ class FakeContext(ProcessContext):
                 raise TypeError(f"a context has no '{name}'")
             setattr(self, name, value)
 
-    # What a test does and looks at.
+    # For a test: inputs and results.
 
     @property
     def given(self) -> tuple[Row, ...]:
-        """Its rows, of all tables that its kind reads."""
+        """Return its rows, of all tables that its kind reads."""
         return tuple(one for read in self.kind.reads for one in self.rows(read.row))
 
     @given.setter
@@ -176,7 +175,7 @@ class FakeContext(ProcessContext):
 
     @property
     def answered(self) -> set[str]:
-        """The outputs whose latest value a `get` is answered with."""
+        """Return the outputs whose latest value answers a `get`."""
         return {output for output in self._outputs if self.config.outputs[output][0].key in self._memory.latest}
 
     def arrive(
@@ -190,12 +189,12 @@ class FakeContext(ProcessContext):
         self._memory.carry(feed.key, payload, stamped)
 
     def unheard(self, port: str) -> None:
-        """Have it be as before the first message of an input."""
+        """Restore the state before the first message of an input."""
         self.take(port)
         self._ports[port].last = None
 
     def said(self, output: str) -> list[Any]:
-        """Return all that was published on an output."""
+        """Return all messages of an output."""
         return [message for name, message in self.published if name == output]
 
     def told(self, kind: str) -> list[str]:
@@ -203,18 +202,18 @@ class FakeContext(ProcessContext):
         return [text for name, text in self.events if name == kind]
 
     def answer(self, request: str, message: object) -> Mapping[str, Any] | None:
-        """Return what a question is answered with at once, None: it waits; for tests to replace."""
+        """Return the immediate answer to a question, None: it waits; for tests to replace."""
         del message
         return self.replies.get(request)
 
-    # What is the test's to say, and what it looks at later.
+    # For the capability: its context, by the test's settings.
 
     def clock(self) -> float:
         """Return the test's time."""
         return self.now
 
     def publish(self, output: str, message: Struct, *, taken_s: float | None = None) -> None:
-        """Publish and keep it; a value that its declared type does not allow is a defect."""
+        """Publish and keep it; a value that does not fit its declared type is a defect."""
         super().publish(output, message, taken_s=taken_s)
         assert output not in self._refused_outputs, self.events[-1][1]
         self.published.append((output, message))
@@ -222,11 +221,11 @@ class FakeContext(ProcessContext):
             self.taken_s.append(taken_s)
 
     def watched(self, output: str) -> bool:
-        """Say what the test has set in `unwatched`."""
+        """Return whether the output is not in `unwatched`."""
         return output not in self.unwatched
 
     def wake(self) -> None:
-        """Count it."""
+        """Count the call."""
         self.woken += 1
 
     def sources(self, port: str) -> tuple[str, ...]:
@@ -238,7 +237,7 @@ class FakeContext(ProcessContext):
         return self.wired.get(request, (request,))
 
     def alive(self, capability: str) -> bool:
-        """Return whether the test lets it live."""
+        """Return whether the capability is not in `gone`."""
         return capability not in self.gone
 
     def ask(  # type: ignore[override]
@@ -249,7 +248,7 @@ class FakeContext(ProcessContext):
         *,
         only: Collection[str] | None = None,
     ) -> FakeAsked:
-        """Keep the question, and answer it as the test decides."""
+        """Keep the question, and answer it as the test has set."""
         del timeout_s
         given = self.answer(request, message)
         if given is not None and only is not None:
@@ -259,17 +258,17 @@ class FakeContext(ProcessContext):
         return self.asked[-1]
 
     def engage_estop(self, reason: str) -> None:
-        """Press it, and keep the reason."""
+        """Press the emergency stop, and keep the reason."""
         super().engage_estop(reason)
         self.latched.append(reason)
 
     def learn(self, *rows: Row) -> None:
-        """Learn, and keep them."""
+        """Learn the rows, and keep them."""
         super().learn(*rows)
         self.kept.append(rows)
 
     def ready(self, reason: str = "") -> None:
-        """Report it; `health` says "ready"."""
+        """Report it; `health` becomes "ready"."""
         super().ready(reason)
         self.health.append("ready")
 

@@ -15,34 +15,34 @@ from lbr.simulation.measured import ImuReading, Sensed
 from lbr.simulation.twins import Feeling, ServoBus, Surroundings, Twin, make
 
 STEP_S = 0.005
-"""The pace of its measurements, as in a world."""
+"""The interval of its measurements, as in a world."""
 LIVE_S = 0.5
-"""A thread that ends is given this long."""
+"""The time for a thread to end."""
 RANGES_M: dict[str, float | None] = dict.fromkeys(("forward", "back", "left", "right", "bottom"), 1.0)
 AT_REST = Sensed(battery_v=12.6, ranges_m=RANGES_M)
 SUPPLY_V = 11.1
 
 
 class Plugged:
-    """An emulated device that is serviced in a thread, as in a world; `device` is its row, with the port's address."""
+    """An emulated device, served by a thread, as in a world; `device` is its row, with the port's address."""
 
     def __init__(self, device: Device, live: Callable[[Twin, float], None] | None = None) -> None:
         self.device = device
         self.twin = make(device, Surroundings(seed=1, now=time.monotonic()))
         self.failure: BaseException | None = None
         self.drivers: list[Callable[[], None]] = []
-        """Each closes a driver of it: the guard of one that is left open would end this process as frozen."""
+        """Closing functions of its drivers: the guard of an open driver would end this process as a frozen one."""
         self._live = live or _at_rest
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._serve, name=f"twin of {device.name}", daemon=True)
         self._thread.start()
 
     def fault(self, name: str, value: FaultValue = True) -> None:
-        """Set one of the faults that its twin has, such as `unplug` or `silent`."""
+        """Set one of its twin's faults, such as `unplug` or `silent`."""
         self.twin.fault(name, value)
 
     def close(self) -> None:
-        """Close its drivers, pull it out, and end; raise what went wrong in the thread."""
+        """Close its drivers, unplug it, and end; raise the thread's error."""
         for close in self.drivers:
             close()
         self._over.set()
@@ -77,10 +77,10 @@ def plugged(
     settings: dict[str, Any] | None = None,
     live: Callable[[Twin, float], None] | None = None,
 ) -> Iterator[Plugged]:
-    """Plug in the twin of a type of device, at a port in a folder; `settings` are its row's, `scheme` begins its
-    address where that needs one, as `unix:` of what is on an I2C bus.
+    """Plug in the twin of a type of device, at a port in a folder. `settings` are its row's.
 
-    `live` is called two hundred times a second to tell it what it measures; without it, it lies at rest.
+    `scheme` begins its address if the type needs one, such as `unix:` on an I2C bus. `live` is called two hundred times
+    a second to set its measurements; without it, it lies at rest.
     """
     device = Plugged(Device(name, type_, f"{scheme}{folder / name}", settings or {}), live)
     try:
@@ -103,7 +103,7 @@ def elsewhere(device: Device) -> Plugged:
 def _at_rest(twin: Twin, now: float) -> None:
     twin.sense(AT_REST)
     if isinstance(twin, Feeling):
-        shaken = 0.01 * (1 + int(now / STEP_S) % 3)  # a unit that never changes is taken for a frozen one
+        shaken = 0.01 * (1 + int(now / STEP_S) % 3)  # a unit whose values never change counts as frozen
         twin.feel(ImuReading(mag_ut=(20.0, -5.0, -43.0), gyro_rps=(shaken, 0.0, 0.0)), now)
     if isinstance(twin, ServoBus):
         twin.drives(now)

@@ -21,16 +21,16 @@ from lbr.testing.context import FakeContext
 from lbr.testing.device import Plugged
 
 WITHIN_S = 8.0
-"""Devices take seconds to begin; what takes longer than that has failed."""
+"""Devices take seconds to begin; a longer wait is a failure."""
 BAD_LINE_S = 1.0
 RUBBISH = ("garbage", "bit_flip", "half", "half_lines", "drop", "nak")
-"""Faults of a line that emulated devices may have, each with how often it strikes."""
+"""Faults of a line in emulated devices, each with its probability."""
 BAD_SHARE = 0.3
 POWER = 0.2
 Powers = float | Mapping[str, float]
-"""The power of all wheels, or of each motor by its name; those that are not named stand still."""
+"""The power of all wheels, or of each motor by its name; others stand still."""
 STOPS_WITHIN_S = 1.0
-"""Longer than any controller's own watchdog, on a machine that has much else to do."""
+"""Longer than any controller's own watchdog, on a busy machine."""
 
 
 class RealTimeContext(FakeContext):
@@ -44,8 +44,8 @@ class RealTimeContext(FakeContext):
 class DriverBench:
     """A driver beside its emulated device, run as the runtime runs it: opened, stepped, closed and opened again.
 
-    `settings` is its row as JSON; `rest` is what else its context has, as the rows that are `given`. `lose` is the
-    fault by which the device is taken away; it is back when that is set to false.
+    `settings` is its row as JSON; `rest` are further arguments of its context, such as the rows `given`. `lose` is the
+    fault that removes the device, which returns when that is set to false.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class DriverBench:
         device.drivers.append(self._close_opened)
 
     def until(self, condition: Callable[[], object], what: str) -> None:
-        """Step until something is so; a lost device is opened again, as by the runtime."""
+        """Step until a condition holds; reopen a lost device, as the runtime does."""
         end = time.monotonic() + WITHIN_S
         while True:
             try:
@@ -95,17 +95,17 @@ class DriverBench:
         self.until(lambda: time.monotonic() >= end, "time goes on")
 
     def faults(self) -> dict[str, Any]:
-        """Return what can be made to go wrong with its device, as it is now."""
+        """Return the present faults of its device."""
         return self.device.twin.fault("unplug", value=False)
 
     def again(self, **settings: Any) -> "DriverBench":
-        """Return a bench of the same driver and device, after its row has been changed so."""
+        """Return a bench of the same driver and device, with a changed row."""
         self.close()
         changed = msgspec.json.decode(self.settings) | settings
         return DriverBench(self.kind, msgspec.json.encode(changed).decode(), self.device, **self._rest)
 
     def drive(self, power: Powers) -> None:
-        """Have a setpoint for wheels come, as from the drive."""
+        """Send a setpoint for wheels, as from the drive."""
         each = power if isinstance(power, Mapping) else {"left": power, "right": power}
         sides = {side: each.get(side, 0.0) for side in ("left", "right")}
         others = {} if each.keys() <= sides.keys() else dict(each)
@@ -154,12 +154,12 @@ class DriverBench:
             self.close()
 
     def works(self) -> None:
-        """Wait until it has published something new that it does not call invalid."""
+        """Wait until it has published a new message that it does not mark as invalid."""
         before = len(self.ctx.published)
         self.until(lambda: any(map(_valid, self.ctx.published[before:])), "something is published")
 
     def in_trouble(self) -> bool:
-        """Return whether it has reported a device that is away, at fault, or without a valid reading."""
+        """Return whether it has reported a missing or faulty device, or one without a valid reading."""
         return (
             bool(self.errors)
             or any(phase != "ready" for phase in self.ctx.health)
@@ -182,7 +182,7 @@ def _valid(published: tuple[str, object]) -> bool:
 
 
 def says_what_it_reads(bench: DriverBench) -> None:
-    """With its device there, it opens and publishes."""
+    """With its device present, it opens and publishes."""
     bench.works()
     bench.close()
 
@@ -217,7 +217,7 @@ def names_a_device_that_is_not_there(bench: DriverBench) -> None:
 
 
 def misses_its_device_and_comes_back(bench: DriverBench) -> None:
-    """It reports a lost device. When that is back, it works again, in the same process."""
+    """It reports a lost device. When the device is back, it works again, in the same process."""
     bench.works()
     bench.errors.clear()
     bench.ctx.health.clear()
@@ -239,7 +239,7 @@ def acknowledges_the_emergency_stop(bench: DriverBench) -> None:
 
 
 def says_that_its_device_is_silent(bench: DriverBench) -> None:
-    """It reports a silent device. When that answers again, it works again."""
+    """It reports a silent device. When the device answers again, it works again."""
     usual, twin = bench.faults().get("silent"), bench.device.twin
     if usual is None:
         return
@@ -257,7 +257,7 @@ def says_that_its_device_is_silent(bench: DriverBench) -> None:
 
 
 def publishes_no_rubbish(bench: DriverBench) -> None:
-    """On a bad line it neither breaks nor publishes what is not a number; on a good one it works again."""
+    """On a bad line it neither breaks nor publishes invalid numbers; on a good one it works again."""
     usual = bench.faults()
     found = [name for name in RUBBISH if isinstance(usual.get(name), float)]
     bench.works()
@@ -272,7 +272,7 @@ def publishes_no_rubbish(bench: DriverBench) -> None:
 
 
 def takes_no_number_for_a_stop(bench: DriverBench) -> None:
-    """Wheels that turn stop when a setpoint is not a number."""
+    """Turning wheels stop when a setpoint is not a number."""
     twin = bench.device.twin
     if not isinstance(twin, WheelDrive):
         return
@@ -289,8 +289,7 @@ def takes_no_number_for_a_stop(bench: DriverBench) -> None:
 
 
 def may_be_killed(bench: DriverBench) -> None:
-    """When it is killed, wheels stop by what is left of it or by their controller; the next one has the device at
-    once."""
+    """When it is killed, its guard or the controller stops the wheels; the next driver gets the device at once."""
     twin = bench.device.twin
     process = driver_process.started(bench.as_json())
     try:
@@ -315,7 +314,7 @@ def _turns(twin: WheelDrive) -> bool:
 
 
 def _finite(value: object) -> bool:
-    """Return whether all numbers in it are some."""
+    """Return whether all numbers in it are finite."""
     if isinstance(value, dict):
         return all(map(_finite, value.values()))
     if isinstance(value, list | tuple):
@@ -334,4 +333,4 @@ CHECKS: tuple[Callable[[DriverBench], None], ...] = (
     takes_no_number_for_a_stop,
     may_be_killed,
 )
-"""All of it."""
+"""All of these checks."""

@@ -11,11 +11,11 @@ from lbr.capability.die_with_parent import dying_with_parent
 
 PROGRAM = "lbr.testing.driver_program"
 WORKS = "works"
-"""The line that it prints once it does."""
+"""The line that it prints once it works."""
 
 
 def started(bench: dict[str, Any], program: str = PROGRAM) -> "subprocess.Popen[str]":
-    """Start the driver of a bench, given as JSON, by a module; it dies with this process."""
+    """Start the driver of a bench, given as JSON, as a module; it dies with this process."""
     argv = dying_with_parent((sys.executable, "-m", program, json.dumps(bench)))
     return subprocess.Popen(argv, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True)
 
@@ -31,7 +31,7 @@ def wait_until_it_works(process: "subprocess.Popen[str]", within_s: float) -> No
 
 
 def kill(process: "subprocess.Popen[str]") -> None:
-    """Kill it, as far as it is there."""
+    """Kill it, if it still runs."""
     process.kill()
     process.wait()
     if process.stdout is not None:

@@ -1,4 +1,4 @@
-"""The program that a test kills: runs a driver, whose bench is its argument as JSON, until then; wheels turn
+"""The program that a test kills: runs a driver until then, with a bench as its argument in JSON; wheels turn
 meanwhile."""
 
 import importlib

@@ -20,21 +20,21 @@ from lbr.capability.die_with_parent import dying_with_parent
 from lbr.database import store
 
 READY_S = 30.0
-"""A start takes two seconds; on a machine that has much else to do it may take ten times as long."""
+"""A start takes two seconds, and up to ten times as long on a busy machine."""
 ENDS_S = 8.0
 ANSWER_S = 10.0
 RENEWED_S = 0.1
-"""Ten times a second, as a console."""
+"""Ten times a second, like a console."""
 LEASE_S = 1.0
-"""The longest life that a lease may have."""
+"""The longest permitted lifetime of a lease."""
 
 
 class NoAnswerError(AssertionError):
-    """A line that got no answer in time: what it asked may be done all the same."""
+    """A line without an answer in time, which may have been carried out all the same."""
 
 
 class Robot:
-    """A running robot: `say` is a console line with all rights, `ask` a question on its bus."""
+    """A running robot: `say` sends a console line with all rights, `ask` a question on its bus."""
 
     def __init__(self, home: Path, popen: "subprocess.Popen[str]", ready: dict[str, Any]) -> None:
         self.home = home
@@ -51,13 +51,12 @@ class Robot:
         return session.open_client([running["core"]], Credentials(user=TOOLS, password=running["password"]))
 
     def ask(self, key: str, message: object = None, *, source: str = "test", timeout_s: float = 2.0) -> Any:
-        """Query `<robot>/<key>` and return the decoded answer; None if nothing answered."""
+        """Query `<robot>/<key>` and return the decoded answer; None without one."""
         answers = wire.ask(self.bus, f"{self.name}/{key}", message, source=source, timeout_s=timeout_s)
         return json.loads(answers[0].payload) if answers else None
 
     def answers(self, timeout_s: float) -> bool:
-        """Return whether the robot answers on each session that this has with it; a link that broke comes back by
-        itself."""
+        """Return whether the robot answers on each of this object's sessions; a broken link is restored by itself."""
         sessions = [self.bus, *([self._owner] if self._owner is not None else [])]
         key = f"{self.name}/@status"
         return all(wire.ask(bus, key, None, source="test", timeout_s=timeout_s) for bus in sessions)
@@ -67,7 +66,7 @@ class Robot:
         wire.put(self.bus, f"{self.name}/{key}", message, source=source)
 
     def say(self, text: str, role: str = "admin") -> dict[str, Any]:
-        """Send a console line, with all rights as `lbr send` does, or as a role that may do less; return its answer."""
+        """Send a console line, with all rights like `lbr send`, or with a lower role; return its answer."""
         if self._owner is None and role == "admin":
             self._owner = self.as_owner()
         bus = self._owner if role == "admin" and self._owner is not None else self.bus
@@ -79,11 +78,11 @@ class Robot:
         return found
 
     def move(self, text: str, within_s: float = 20.0) -> dict[str, Any]:
-        """Say a line that moves the robot, and renew its lease as a console does until the motion is over; return how
-        it ended.
+        """Send a line that moves the robot, and renew its lease like a console until the motion is over; return its
+        end.
 
-        The lease lives as long as one may, for a machine that runs tests holds its programs up. The last refusal of a
-        renewal is returned: its `cause` is the code of the end, `done` if the goal was reached.
+        The lease has the longest lifetime, as a machine with tests delays its programs. The last refusal of a renewal
+        is returned: its `cause` is the code of the end, `done` if the goal was reached.
         """
         hold = self.say(text)["hold"]
         assert hold is not None, f"'{text}' moves nothing"
@@ -96,7 +95,7 @@ class Robot:
             time.sleep(RENEWED_S)
 
     def close(self) -> int:
-        """Shut it down in order, and return its exit code; one that does not end is killed."""
+        """Shut it down in order, and return its exit code; kill it if it does not end."""
         self.bus.close()
         if self._owner is not None:
             self._owner.close()
@@ -104,7 +103,7 @@ class Robot:
             self.popen.send_signal(signal.SIGTERM)
         assert self.popen.stdout is not None
         self.popen.stdout.close()
-        with ExitStack() as late:  # also when the time of the test is over
+        with ExitStack() as late:  # even when the time of the test is over
             late.callback(_killed, self.popen)
             code = self.popen.wait(ENDS_S)
             late.pop_all()
@@ -112,7 +111,7 @@ class Robot:
 
 
 def until(condition: Callable[[], object], what: str, within_s: float = 8.0) -> None:
-    """Wait until something is so, and fail with `what` it is if that takes too long."""
+    """Wait until a condition holds, and fail with `what` if that takes too long."""
     end = time.monotonic() + within_s
     while not condition():
         assert time.monotonic() < end, f"not within {within_s:g} s: {what}"
@@ -120,7 +119,7 @@ def until(condition: Callable[[], object], what: str, within_s: float = 8.0) -> 
 
 
 def prepared(home: Path, edits: Iterable[str] = ()) -> Path:
-    """Make a home with the shipped rows, changed by SQL statements; what is served has any free port."""
+    """Make a home with the shipped rows, changed by SQL statements; servers get any free port."""
     home.mkdir(mode=0o700, parents=True, exist_ok=True)
     store.create(home / "robot.db")
     with closing(sqlite3.connect(home / "robot.db")) as database, database:
@@ -132,7 +131,7 @@ def prepared(home: Path, edits: Iterable[str] = ()) -> Path:
 
 @contextmanager
 def running(profile: str = "lbr-sim", *, edits: Iterable[str] = (), home: Path | None = None) -> Iterator[Robot]:
-    """Run a robot for the time of a `with`, in a home made for it or in yours; none of its processes outlives that."""
+    """Run a robot for the time of a `with`, in a new home or in yours; none of its processes outlives that."""
     with tempfile.TemporaryDirectory(prefix="lbr-") as place:  # a short path, because the names of sockets are bounded
         home = prepared(Path(place) / "h", edits) if home is None else home
         argv = (sys.executable, "-m", "lbr.start", "run", profile, "--no-console")
@@ -157,7 +156,7 @@ def started(
             stderr=errors,
             text=True,
         )
-    with ExitStack() as failed:  # also when the time of the test is over
+    with ExitStack() as failed:  # even when the time of the test is over
         failed.callback(_killed, popen)
         assert popen.stdout is not None
         end = time.monotonic() + within_s

@@ -5,7 +5,7 @@
         with lbr.testing.servos.bench(KIND, tmp_path, ids=(1, 2)) as servos:
             check(servos)
 
-It looks at what the twin's motors do, not at what the driver says of them.
+The checks examine the twin's motors, not the driver's reports.
 """
 
 import json
@@ -31,17 +31,16 @@ from lbr.testing.driver import WITHIN_S, DriverBench
 
 HOLD_S = RELEASE_S = 0.5
 MOST_RPS = 0.6
-"""A servo of this bench turns no faster, whatever it is told: also one that knows no speeds can be stopped on its
-way."""
+"""The greatest speed of a servo on this bench, so that one without a speed register can also be stopped on its way."""
 AT_RAD = 0.05
 """The tolerance of an arrival: a servo's margin and two degrees more."""
 STOOD_RAD = 0.15
-"""So far a servo may go on after a stop was seen: for a quarter of a second, since the machine may be busy."""
+"""The way that a servo may continue after a stop was seen: a quarter of a second, as the machine may be busy."""
 WATCHED_S = 0.6
 WEAKENED = 0.8
 """A servo with less of its torque than this has begun to fade."""
 GUARD_S = 8.0
-"""Held, faded and off by then, after the driver was killed."""
+"""By then, after the driver was killed, servos were held, faded and switched off."""
 ABSENT = 200
 SOURCE = "joints"
 REACH_RAD = 1.5
@@ -50,8 +49,8 @@ REACH_RAD = 1.5
 class Shafts:
     """The servos' shafts, without weight: one with torque turns to its goal, one without stays where it is.
 
-    It is the `live` of a twin that is plugged in. `begin_rad` is where they are to begin, one a little further than the
-    other, so that no register's default would take one there.
+    It is the `live` of a plugged-in twin. `begin_rad` is their first angle, each a little further than the one before,
+    so that no register's default equals it.
     """
 
     def __init__(self, ids: Sequence[int], begin_rad: float = 0.2) -> None:
@@ -63,7 +62,7 @@ class Shafts:
         self._now = time.monotonic()
 
     def __call__(self, twin: Twin, now: float) -> None:
-        """Let time pass: turn what has torque, and have the twin feel where its servos are."""
+        """Let time pass: turn the servos with torque, and set the twin's measurements."""
         assert isinstance(twin, ServoBus), f"{twin.name}: its twin has neither `drives` nor `feel_servos`"
         drives = twin.drives(now)
         with self._lock:
@@ -90,24 +89,23 @@ class Shafts:
             self._at = {servo: at + way_rad for servo, at in self._at.items()}
 
     def at(self) -> dict[int, float]:
-        """Return where each servo is, in radians from its middle."""
+        """Return the angle of each servo, in radians from its middle."""
         with self._lock:
             return dict(self._at)
 
     def weakened(self) -> bool:
-        """Return whether each servo ever had some torque, but clearly less than before."""
+        """Return whether each servo had some torque at some time, but clearly less than before."""
         with self._lock:
             return len(self._weakened) == len(self._at)
 
     def torque(self) -> dict[int, float]:
-        """Return which share of its torque each servo's motor has."""
+        """Return the share of its torque that each servo's motor has."""
         with self._lock:
             return dict(self._torque)
 
 
 class ServosBench(DriverBench):
-    """A driver of servos beside its twin, and the sender of its setpoints: `goals` goes to it at each step, None is
-    silence."""
+    """A driver of servos beside its twin, and the sender of its setpoints: each step sends `goals`, None is silence."""
 
     def __init__(
         self, kind: Kind, settings: Mapping[str, object], device: Plugged, shafts: Shafts, *, fades: bool = True
@@ -121,7 +119,7 @@ class ServosBench(DriverBench):
         self.halts = 0
 
     def until(self, condition: Callable[[], object], what: str) -> None:
-        """Step until something is so; the setpoint of each moment goes ahead."""
+        """Step until a condition holds; each step sends the setpoint."""
 
         def sent() -> object:
             if self.goals is not None:
@@ -132,21 +130,21 @@ class ServosBench(DriverBench):
         super().until(sent, what)
 
     def steps(self, seconds: float) -> None:
-        """Go on for a while."""
+        """Step for a while."""
         end = time.monotonic() + seconds
         self.until(lambda: time.monotonic() >= end, "time passes")
 
     def stay(self) -> None:
-        """Want each servo to have torque, and to stay where it is."""
+        """Give each servo torque at its present angle."""
         self.goals = lambda: tuple(ServoGoal(id=servo) for servo in self.ids)
 
     def turn(self, way_rad: float) -> None:
-        """Want all servos to go so far from where they are."""
+        """Move the goals of all servos by this angle."""
         goals = tuple(ServoGoal(id=servo, position_rad=at + way_rad) for servo, at in self.shafts.at().items())
         self.goals = lambda: goals
 
     def limp(self) -> None:
-        """Want no servo to have torque."""
+        """Give no servo torque."""
         self.goals = lambda: tuple(ServoGoal(id=servo, torque=0.0) for servo in self.ids)
         self.until(lambda: not any(self.shafts.torque().values()), f"none has torque: {self._torques()}")
 
@@ -157,12 +155,12 @@ class ServosBench(DriverBench):
         self.until(lambda: all(self.shafts.torque().values()), f"all have torque: {self._torques()}")
 
     def moved_rad(self, since: Mapping[int, float]) -> float:
-        """Return how far the servo is that has gone furthest."""
+        """Return the greatest movement of a servo."""
         return max(abs(at - since[servo]) for servo, at in self.shafts.at().items())
 
     @property
     def state(self) -> ServosState:
-        """The newest state of the driver."""
+        """Return the newest state of the driver."""
         found = self.ctx.said("state")[-1]
         assert isinstance(found, ServosState)
         return found
@@ -191,8 +189,8 @@ def bench(
 ) -> Iterator[ServosBench]:
     """Plug in the twin of a kind's device, with servos that turn, and put the driver beside it.
 
-    `settings` are the capability's beside the usual, `device` those of the twin's row. `fades` false: these servos have
-    no torque limit, so that they are let go at once.
+    `settings` are the capability's besides the usual ones, `device` those of the twin's row. `fades` false: these
+    servos have no torque limit, so their torque goes off at once.
     """
     shafts = Shafts(ids)
     with plugged(kind.device_type, folder, settings=dict(device or {}), live=shafts) as found:
@@ -204,7 +202,7 @@ def bench(
 
 
 def moves_nothing_when_it_opens(servos: ServosBench) -> None:
-    """Before the first setpoint no servo gets torque. The driver knows where each is."""
+    """Before the first setpoint no servo gets torque. The driver knows each servo's angle."""
     servos.works()
     began = servos.shafts.at()
     servos.until(lambda: _positions_known(servos), "each servo's position is told")
@@ -221,7 +219,7 @@ def moves_nothing_when_it_opens(servos: ServosBench) -> None:
 
 
 def switches_torque_on_where_the_servos_are(servos: ServosBench) -> None:
-    """Torque comes on without a jerk, also after a hand has turned servos that still have a goal of before."""
+    """Torque comes on without a jerk, even after a hand has turned servos with an old goal."""
     for way_rad in (0.0, 0.4):
         servos.shafts.push(way_rad)
         began = servos.shafts.at()
@@ -291,7 +289,7 @@ def lets_go_of_what_nobody_moves(servos: ServosBench) -> None:
 
 
 def goes_on_without_a_servo_that_is_absent(servos: ServosBench) -> None:
-    """A joint row whose servo does not answer is named, and holds up none of the others."""
+    """A joint row whose servo does not answer is named, and delays none of the others."""
     servos.ctx.given = joints((*servos.ids, ABSENT))
     servos.driver = servos.kind.load()(servos.ctx)
     servos.energised()
@@ -306,7 +304,7 @@ def goes_on_without_a_servo_that_is_absent(servos: ServosBench) -> None:
 def is_outlived_by_its_guard(servos: ServosBench) -> None:
     """When the driver is killed while servos move, its guard holds them where they are, and then takes their torque.
 
-    The driver runs in a process of its own, so the kind is to be installed.
+    The driver runs in a process of its own, so the kind must be installed.
     """
     row = {**servos.row, "guard": True}
     began = servos.shafts.at()
@@ -341,7 +339,7 @@ CHECKS: tuple[Callable[[ServosBench], None], ...] = (
     goes_on_without_a_servo_that_is_absent,
     is_outlived_by_its_guard,
 )
-"""All of it, what every driver has to do included."""
+"""All of these checks, with those of every driver."""
 
 
 def _positions_known(servos: ServosBench) -> bool:

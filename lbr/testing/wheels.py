@@ -1,4 +1,4 @@
-"""The stops of wheels, each layer alone, seen in the power of the twin, not in the driver's report.
+"""The stops of wheels, each layer alone, measured by the power of the twin, not by the driver's report.
 
 `pytest.mark.parametrize("check", CHECKS)`, then `check(bench)`, beside those of `lbr.testing.driver`. The twin has the
 fault `no_watchdog`, with which the controller does not stop by itself.
@@ -18,15 +18,15 @@ from lbr.testing import driver_process
 from lbr.testing.driver import POWER, STOPS_WITHIN_S, WITHIN_S, DriverBench
 
 STARTS_S = 20.0
-"""A process begins, and its guard: nothing moves before."""
+"""The time for a process and its guard to begin: nothing moves before."""
 BEYOND_WATCHDOG_S = 0.5
-"""The delay beyond its own watchdog that the controller may have, on a machine that has much else to do."""
+"""The delay that the controller may have after its own watchdog's time, on a busy machine."""
 
 
 def turns_each_motor_its_own_way(bench: DriverBench) -> None:
-    """One motor at a time turns, the way that it is told to; the other way, where the row mounts it the other way.
+    """Each motor by itself turns in the direction of its setpoint, reversed if its row mounts it so.
 
-    There is no guard, since it would end this process whenever that is held up.
+    There is no guard, since it would end this process after a delay.
     """
     alone = {"guard": False} if hasattr(bench.ctx.settings, "guard") else {}
     _each_way(bench.again(**alone), {})
@@ -38,7 +38,7 @@ def turns_each_motor_its_own_way(bench: DriverBench) -> None:
 
 
 def stops_by_its_guard_alone(bench: DriverBench) -> None:
-    """The controller's watchdog does not work: after a driver that is killed or frozen its guard stops every motor."""
+    """With the controller's watchdog broken, the guard stops every motor after a driver was killed or frozen."""
     assert bench.faults().get("no_watchdog") is False, f"the twin of {bench.kind.name} needs the fault 'no_watchdog'"
     bench.device.fault("no_watchdog")
     guarded = bench.again(guard=True)
@@ -76,9 +76,9 @@ def _each_way(bench: DriverBench, mounted: Mapping[str, float]) -> None:
 
 
 def _stops(bench: DriverBench, number: signal.Signals, limit_s: float, by: str) -> int | None:
-    """Have a driver in a process of its own get a signal while all motors turn, each the other way than the one before.
+    """Send a signal to a driver in a process of its own while all motors turn, each opposite to the one before.
 
-    Return how the process had ended by the time that all motors stood still.
+    Return the exit code of a frozen driver once all motors stand still; None without one, or for a killed driver.
     """
     ways = (1.0, -1.0) if number is signal.SIGKILL else (-1.0, 1.0)
     powers = {name: POWER * ways[n % 2] for n, name in enumerate(_powers(bench, time.monotonic()))}
@@ -126,4 +126,4 @@ CHECKS: tuple[Callable[[DriverBench], None], ...] = (
     stops_by_its_guard_alone,
     stops_by_its_watchdog_alone,
 )
-"""All of it."""
+"""All of these checks."""

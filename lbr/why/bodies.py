@@ -13,14 +13,14 @@ from lbr.why import leases
 from lbr.why.snapshot import Part, Report, Snapshot
 
 PASSES_ON = ("", "pc")
-"""Modes of a servos' controller in which it passes goals on."""
+"""Modes of a servos' controller in which it passes on goals."""
 LOST = ("holding", "releasing")
-"""Phases of servos whose mover is gone: the next motion goes on from there."""
+"""Phases of servos whose sender is gone: the next motion begins from there."""
 NEAR_LIMIT_RAD = 0.02
 
 
 def joints(report: Report[JointsState]) -> Iterator[Link]:
-    """Yield who holds the joints, which have no torque or have latched, and how the last motion ended."""
+    """Yield the holder of the joints, those without torque or with a latch, and the end of the last motion."""
     state, part, say = report.state, report.part, report.now.facts.say
     yield from leases.holder(report, moving=state.moving)
     recover = say(f"{part.name}.recover", "/recover")
@@ -41,7 +41,7 @@ def joints(report: Report[JointsState]) -> Iterator[Link]:
 
 
 def joint(now: Snapshot, part: Part, name: str) -> Iterator[Link]:
-    """Yield what holds one joint: that it is not measured, has latched, has no torque, or stands at a limit."""
+    """Yield the hindrances of one joint: it is not measured, has latched, has no torque, or stands at a limit."""
     report = now.report(part, JointsState)
     if report is None:
         return
@@ -103,14 +103,14 @@ def _at_limit(report: Report[JointsState], name: str, position_rad: float) -> It
 
 
 def unheard(report: Report[MotorsState | ServosState], who: str) -> Link:
-    """Return that a device has never sent anything: that it does what it is told is an assumption."""
+    """Return that a device has never sent anything: that it works is only an assumption."""
     text = f"{who} has sent nothing since its line was opened: it is told, and may not be there"
     do = "check its power and cable; of one that never answers nothing is known but what it was told"
     return report.link("line", "doubt", text, "unreachable", do=do, about=report.part.device)
 
 
 def servos(report: Report[ServosState]) -> Iterator[Link]:
-    """Yield whether the servos of a bus would do what they are told."""
+    """Yield whether the servos of a bus would follow their goals."""
     state = report.state
     if state.armed and state.heard is False:
         yield unheard(report, "the servos' line")

@@ -1,4 +1,4 @@
-"""From a snapshot and the name of a part to the answer: which link holds it first, in one sentence."""
+"""From a snapshot and the name of a part to the answer: the first link that holds it, in one sentence."""
 
 from collections.abc import Iterator
 from math import inf
@@ -18,15 +18,18 @@ from lbr.why.walk import Walk
 
 CAMERA = "camera_"
 ORDER = ("held", "doubt", "refused", "beside", "reading", "rows", "past", "machine", "unknown", "ok")
-"""The first link that is shown. A command that was just refused comes before what a sensor reads, which may hold
-another way than the one that was asked for; a machine that is too busy after all that is known."""
+"""The order in which links are shown: the first one counts.
+
+A command that was just refused comes before a sensor's reading, which may block another direction than the requested
+one. An overloaded machine comes after all known causes.
+"""
 
 UNEXPLAINED: frozenset[LinkName] = frozenset({"last", "refused", "machine"})
-"""Links that tell what was seen and not by what it came about: an edit of the rows before that is told with them."""
+"""Links whose cause is unknown: an earlier edit of the rows is shown with them."""
 
 
 def explain(now: Snapshot, part: str = "") -> Chain:
-    """Return why a part stands still, or all that moves; raise InputError if there is nothing of that name."""
+    """Return why a part, or everything that moves, stands still; raise InputError if there is nothing of that name."""
     wanted = part.strip()
     now = replace(now, asked=wanted)
     walk = Walk(now)
@@ -62,14 +65,14 @@ def explain(now: Snapshot, part: str = "") -> Chain:
 
 
 def _since(edits: tuple[Link, ...]) -> str:
-    """Return what to add of an edit that came before."""
+    """Return the text about an earlier edit."""
     return "".join(f"; {ago(one.since_s or 0.0)} ago {one.text}" for one in edits)
 
 
 def _first(links: tuple[Link, ...], holding: int) -> int | None:
-    """Return the place of the link that is told; of those that are over the newest, of those that are well none.
+    """Return the index of the link to show: of past ones the newest; None if all are well.
 
-    Links from `holding` on are beside what moves, and hold none of that.
+    Links from `holding` on do not belong to what moves, and hold none of it.
     """
     ranks = [max(ORDER.index(_sort(one)), 0 if at < holding else ORDER.index("beside")) for at, one in enumerate(links)]
     ranked = [
@@ -88,7 +91,7 @@ def _sort(link: Link) -> str:
 
 
 def names(facts: Facts) -> list[str]:
-    """Return what can be asked about: capabilities, joints, devices, external commands, words of the console."""
+    """Return the names for questions: capabilities, joints, devices, external commands, words of the console."""
     words = (one.word for one in facts.sayings)
     return sorted({*facts.parts, *(one.name for one in facts.joints), *facts.devices, *facts.programs, *words})
 
@@ -118,7 +121,7 @@ def _links(now: Snapshot, walk: Walk, part: str) -> Iterator[Link]:
 
 
 def _whole(now: Snapshot, walk: Walk) -> Iterator[Link]:
-    """Yield the links of all that moves."""
+    """Yield the links of everything that moves."""
     parts = now.facts.parts.values()
     movers = [one for one in parts if one.moves and one.enabled and one.runs and one.family == "operation"]
     for mover in movers or [one for one in parts if one.moves and one.enabled]:
@@ -126,7 +129,7 @@ def _whole(now: Snapshot, walk: Walk) -> Iterator[Link]:
 
 
 def _beside(now: Snapshot, walk: Walk) -> Iterator[Link]:
-    """Yield what is not as it should be of all else."""
+    """Yield the faults of all other parts."""
     for one in now.facts.parts.values():
         if one.enabled and one.runs:
             yield from (
@@ -135,13 +138,13 @@ def _beside(now: Snapshot, walk: Walk) -> Iterator[Link]:
 
 
 def _docks(part: Part) -> bool:
-    """Return whether a part goes by the beams of the dock, or is what sees them."""
+    """Return whether a part follows the beams of the dock, or sees them."""
     goes_by = part.family == "operation" and "DockSignal" in part.inputs.values()
     return goes_by or "DockSignal" in part.outputs.values()
 
 
 def _away_from_dock(facts: Facts, link: Link) -> Link:
-    """Return a link as what goes to no dock has it: a robot that is not before its dock sees no beam, and is well."""
+    """Return a link for a robot that does not go to its dock: away from it, no beam is seen, and all is well."""
     about = facts.parts.get(link.about)
     if link.name != "reading" or about is None or "DockSignal" not in about.outputs.values():
         return link
@@ -149,7 +152,7 @@ def _away_from_dock(facts: Facts, link: Link) -> Link:
 
 
 def _joint(now: Snapshot, walk: Walk, name: str) -> Iterator[Link]:
-    """Yield the links of the operation that moves a joint: what that says of others does not hold this one."""
+    """Yield the links of the operation that moves a joint, without its reports about other joints."""
     row = f"row joint.{name}"
     yield Link("row", name, "ok", f"'{name}' is a joint of this robot", evidence=row)
     for owner in (one for one in now.facts.parts.values() if "JointsState" in one.outputs.values()):
@@ -179,7 +182,7 @@ def _word(line: str) -> str:
 
 
 def _saying(walk: Walk, facts: Facts, sayings: list[Saying]) -> Iterator[Link]:
-    """Yield the links of what lines with one word ask."""
+    """Yield the links of the parts that lines with one word command."""
     for owner in dict.fromkeys(saying.target_part for saying in sayings):
         asked = "the robot itself" if owner == ITSELF else f"'{owner}'"
         text, row = f"'{sayings[0].word}' asks {asked}", f"row verb.{sayings[0].word}"

@@ -10,16 +10,16 @@ from lbr.why.snapshot import Part, Report, Snapshot
 PLANNED = frozenset(
     {"", "done", "idle", "stopped", "time_over", "superseded", "taken_over", "cancelled", "estop", "off_goal"}
 )
-"""Codes of motion that came to an end as it was meant to, or by what another link tells."""
+"""Codes of motion that ended as planned, or for a reason that another link shows."""
 REFUSED_S = 60.0
-"""A refusal of the last minute is still the subject of its sender's question."""
+"""A refusal of the last minute is probably the subject of its sender's question."""
 RENEWALS = frozenset({"dead_lease", "late", "repeated"})
-"""Codes with which what goes on after its motion's end is refused: that is no wish of anyone's."""
+"""Codes that refuse a message after the end of its motion, which is not a new request."""
 ENDED = ("lapsed", "fault", "stopped", "reached", "interval", "superseded", "holder")
 
 
 def holder(report: Report[DriveState | JointsState], *, moving: bool) -> Iterator[Link]:
-    """Yield who holds a part: another that moves it keeps all others from it."""
+    """Yield the holder of a part, which keeps all others from it."""
     by, now, name = report.state.holder, report.now, report.part.name
     if by is None:
         yield report.link("holder", "ok", f"no sender holds '{name}'")
@@ -32,7 +32,7 @@ def holder(report: Report[DriveState | JointsState], *, moving: bool) -> Iterato
 
 
 def last(report: Report[DriveState | JointsState]) -> Link:
-    """Return how the last motion ended: a mishap, or a stop by another, is told, what was planned only mentioned."""
+    """Return how the last motion ended: by a mishap or by another's stop, or as planned, which is only mentioned."""
     state = report.state
     ended = f"its last motion ended: {state.reason}" if state.reason and state.code != "idle" else ""
     if state.holder is not None:
@@ -47,8 +47,7 @@ def last(report: Report[DriveState | JointsState]) -> Link:
 
 
 def _stopped(now: Snapshot, part: Part, by: str) -> str:
-    """Return whose motion another than its sender stopped last, and how often it did of late; empty if that was no
-    other."""
+    """Return whose motion somebody else stopped last, and how often that happened lately; empty without one."""
     stops = [stop for stop in now.newest(part.name) if stop.kind == "stopped" and stop.about]
     if not by or by == now.asker or not stops or stops[0].about == by:
         return ""
@@ -58,7 +57,7 @@ def _stopped(now: Snapshot, part: Part, by: str) -> str:
 
 
 def refusal(now: Snapshot, part: Part) -> Iterator[Link]:
-    """Yield what a part refused last, and why, unless it took another command since, or that stop is over."""
+    """Yield a part's last refusal, unless it has accepted a command since, or the stop behind it is over."""
     for event in now.newest(part.name):
         ago_s = now.ago_s(event)
         if event.kind == "holder" or ago_s is None or ago_s > REFUSED_S:

@@ -8,17 +8,17 @@ from lbr.why import said
 from lbr.why.snapshot import Part, Snapshot
 
 RECENT_S = 60.0
-"""After a minute of health the executive forgets how a process ended."""
+"""After a minute of health, the executive forgets how a process ended."""
 ENDS = ("crashed", "hung", "taken_along", "ended", "failed", "stopped")
 UNASKED = ("crashed", "hung", "ended")
 OFTEN = 3
-"""A process that ends so often within `RECENT_S` will again: more than one mishap, fewer than have it given up."""
+"""A process that ends so often within `RECENT_S` will again: more than one mishap, but it is not given up yet."""
 REFUSED = ("rights", "busy")
-"""Codes of a device that is there, and that this machine does not give."""
+"""Codes of a device that exists, but is not accessible on this machine."""
 
 
 def row(now: Snapshot, part: Part) -> Link:
-    """Tell whether its row and the launch profile have it run."""
+    """Return whether its row and the launch profile let it run."""
     if not part.enabled:
         return Link(
             "row",
@@ -48,7 +48,7 @@ def row(now: Snapshot, part: Part) -> Link:
 
 
 def process(now: Snapshot, part: Part) -> Link:
-    """Tell how its process is, and how it ended of late."""
+    """Return the state of its process, and its recent ends."""
     unit = now.unit(part.name)
     if unit is None:
         nothing = "nothing says how its process is" if now.executive != "up" else "it has no process"
@@ -109,7 +109,7 @@ def _ready(now: Snapshot, part: Part, unit: CapabilityStatus) -> Link:
 
 
 def _commanded(now: Snapshot, part: Part, within_s: float) -> bool:
-    """Return whether a part, or one that needs it, took a command of late: then nothing is to be said again."""
+    """Return whether a part, or one that needs it, accepted a command lately: then it needs no repetition."""
     over = {part.name}
     while more := {one.name for one in now.facts.parts.values() if over.intersection(one.needs)} - over:
         over |= more
@@ -122,7 +122,7 @@ def _log(now: Snapshot, unit: CapabilityStatus) -> str:
 
 
 def _link(now: Snapshot, part: Part, unit: CapabilityStatus, text: str, *kinds: str) -> Link:
-    """Tell that a process holds a part, since the newest event of some kinds."""
+    """Return that a process holds a part, since the newest event of some kinds."""
     again = unit.phase in {"waiting", "starting", "stopping"}
     code = unit.code or (unit.end_code if unit.last_end else "") or ("not_ready" if again else "failed")
     log = _log(now, unit)
@@ -139,7 +139,7 @@ def _link(now: Snapshot, part: Part, unit: CapabilityStatus, text: str, *kinds: 
 
 
 def line(now: Snapshot, part: Part) -> Link | None:
-    """Tell whether a driver has its device: what it says while it is degraded, and the device's own faults."""
+    """Return whether a driver has its device: its own report while it is degraded, and the device's own faults."""
     unit = now.unit(part.name)
     if not part.device or unit is None:
         return None
@@ -164,7 +164,7 @@ def line(now: Snapshot, part: Part) -> Link | None:
 
 
 def silence(now: Snapshot, part: Part) -> Iterator[Link]:
-    """Yield that a part which runs does not answer: it has just been frozen, or the machine leaves it no time."""
+    """Yield that a running part does not answer: it has just been frozen, or the machine is too busy."""
     topics = [f"{part.name}/{port}" for port, name in part.outputs.items() if name in said.understood()]
     unit = now.unit(part.name)
     if not topics or unit is None or unit.phase != "ready" or any(topic in now.messages for topic in topics):
@@ -181,5 +181,5 @@ def silence(now: Snapshot, part: Part) -> Iterator[Link]:
 
 
 def update(table: str, where: str, robot: str, column: str = "enabled = 1") -> str:
-    """Return what to type to change a row; by default, to switch it on."""
+    """Return the command that changes a row; by default, one that enables it."""
     return f"sqlite3 ~/.lbr/robot.db \"UPDATE {table} SET {column} WHERE robot = '{robot}' AND {where}\""  # noqa: S608 - told to people

@@ -1,4 +1,4 @@
-"""The repairs of a robot: the parts that are not well, by the part that holds them."""
+"""The repairs of a robot: its faulty parts, by the part that holds them."""
 
 from collections.abc import Callable
 
@@ -9,7 +9,7 @@ ILL = frozenset({"failed", "degraded"})
 
 
 def repairs(now: Snapshot, explain: Callable[[Snapshot, str], Chain]) -> tuple[Repair, ...]:
-    """Return what to mend, the part that holds the most first; `explain` gives the reason of one part."""
+    """Return the repairs, the part that holds the most first; `explain` gives the reason of one part."""
     units = now.status.capabilities if now.status is not None else ()
     ill = {unit.name: unit for unit in units if unit.phase in ILL and unit.name in now.facts.parts}
     chains = {name: explain(now, name) for name in ill}

@@ -7,7 +7,7 @@ from lbr.why.snapshot import Snapshot
 
 
 def executive(now: Snapshot) -> Link:
-    """Tell whether it runs, and answers."""
+    """Return whether it runs and answers."""
     robot, status = now.facts.robot, now.status
     profile = now.facts.profile
     run = f"lbr run {profile}" if profile else "lbr run PROFILE; lbr robots lists what there is"
@@ -23,7 +23,7 @@ def executive(now: Snapshot) -> Link:
 
 
 def _down(now: Snapshot, robot: str, run: str) -> Link:
-    """Tell since when it does not run: it was shut down, or its process came to an end otherwise."""
+    """Return since when it does not run, and whether it was shut down, or its process ended otherwise."""
     facts = now.facts
     in_order = facts.last_shutdown >= facts.last_start
     text = f"the robot '{robot}' does not run on this machine"
@@ -46,7 +46,7 @@ def _down(now: Snapshot, robot: str, run: str) -> Link:
 
 
 def machine(now: Snapshot) -> Iterator[Link]:
-    """Tell that the machine is too busy, while it is: what is late then is not broken."""
+    """Yield that the machine is too busy, while it is: late parts are then not broken."""
     for event in reversed(now.events):
         if event.kind == "busy_over":
             return
@@ -65,7 +65,7 @@ def machine(now: Snapshot) -> Iterator[Link]:
 
 
 def rows(now: Snapshot) -> Iterator[Link]:
-    """Yield what is wrong with its rows."""
+    """Yield the faults of its rows."""
     status = now.status
     codes = status.problem_codes if status is not None else ()
     problems = status.problems if status is not None else now.facts.problems
@@ -83,7 +83,7 @@ def rows(now: Snapshot) -> Iterator[Link]:
 
 
 def estop(now: Snapshot) -> Link:
-    """Tell whether the emergency stop is latched."""
+    """Return whether the emergency stop is latched."""
     status = now.status
     if status is None and now.facts.latched:
         why = now.facts.latched_reason or "no reason given"

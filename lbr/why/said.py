@@ -19,19 +19,19 @@ from lbr.why import bodies, leases
 from lbr.why.snapshot import Part, Report, Snapshot
 
 SLOW = 0.5
-"""A camera that gives less than this part of its pictures is told of."""
+"""A camera with less than this share of its pictures is reported."""
 CLOSING = frozenset({"countdown", "parking", "powering_off", "off"})
 
 
 def links(now: Snapshot, part: Part) -> Iterator[Link]:
-    """Yield what a part says that holds it, or that it is well; nothing for one of which nothing is known here."""
+    """Yield the hindrances that a part reports, or that it is well; nothing for a part of unknown type."""
     for message, of_state in _STATES.items():
         if message.__name__ in part.outputs.values() and (report := now.report(part, message)) is not None:
             yield from of_state(report)
 
 
 def works(now: Snapshot, part: Part) -> bool:
-    """Return whether a driver that is degraded moves all the same what it can: the other servos of its bus."""
+    """Return whether a degraded driver still moves the other servos of its bus."""
     report = now.report(part, ServosState)
     return report is not None and report.state.armed
 
@@ -147,7 +147,7 @@ def _rules(part: Part) -> list[dict[str, Any]]:
 
 
 def oldest_s(part: Part, message: str) -> float | None:
-    """Return how old what a drive hears may be by its settings, before it moves no more by it; None if nothing says."""
+    """Return the greatest age of a message with which a drive still moves, by its settings; None if they have none."""
     if "DriveState" not in part.outputs.values():
         return None
     if message == "Ranges":

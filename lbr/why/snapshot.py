@@ -20,7 +20,7 @@ ITSELF = "executive"
 
 
 class Part(Struct, frozen=True, kw_only=True):
-    """A capability as its row and its kind have it; it `runs` if the plan of the robot has it.
+    """A capability by its row and its kind; it `runs` if it is in the robot's plan.
 
     `inputs`, `setpoints` and `outputs` are the names of their messages by port; `optional` inputs may be unfed.
     """
@@ -50,17 +50,17 @@ class Channel(Struct, frozen=True, kw_only=True):
 
     @property
     def source_part(self) -> str:
-        """Return the capability that it comes from."""
+        """Return the capability of its source."""
         return self.source.partition(".")[0]
 
     @property
     def target_part(self) -> str:
-        """Return the capability that it goes to."""
+        """Return the capability of its target."""
         return self.target.partition(".")[0]
 
 
 class JointLimits(Struct, frozen=True, kw_only=True):
-    """A row of `joint`, as far as it says where the joint may go."""
+    """The limits of a joint, by its row."""
 
     name: str
     servo: int
@@ -69,7 +69,7 @@ class JointLimits(Struct, frozen=True, kw_only=True):
 
 
 class Saying(Struct, frozen=True, kw_only=True):
-    """A line that can be said: its pattern, what it asks for, and with which fields."""
+    """A line of the console: its pattern, its target, and its fields."""
 
     pattern: str
     target: str
@@ -77,12 +77,12 @@ class Saying(Struct, frozen=True, kw_only=True):
 
     @property
     def word(self) -> str:
-        """Return the word that the line begins with."""
+        """Return the first word of the line."""
         return self.pattern.removeprefix("/").partition("/")[0]
 
     @property
     def target_part(self) -> str:
-        """Return the capability that it asks, or `ITSELF`."""
+        """Return the capability of its target, or `ITSELF`."""
         return self.target.partition(".")[0]
 
 
@@ -108,24 +108,22 @@ class Facts(Struct, frozen=True, kw_only=True):
     latched_reason: str = ""
 
     def say(self, target: str, otherwise: str, **payload: Any) -> str:
-        """Return the shortest line that asks for this, else another way to do it."""
+        """Return the shortest line for this request, else another way to do it."""
         found = (line for one in self.sayings if one.target == target and (line := _filled(one, payload)))
         return min(found, key=len, default=otherwise)
 
 
 class Said(Struct, frozen=True, kw_only=True):
-    """The newest message of a stream, and how old it is; null: its clock cannot be compared with ours."""
+    """The newest message of a stream, with its age (null: its clock cannot be compared with ours)."""
 
     message: dict[str, Any]
     age_s: float | None = None
 
 
 class Snapshot(Struct, frozen=True, kw_only=True):
-    """A robot at one moment. `executive`: it answers, it is silent, or it does not run.
-
-    `silent_s` is for how long it was waited for. `asker` is who asks, with which `role`, about the part `asked`.
-    `messages` are by topic, such as `drive/state`. `events` are oldest first.
-    """
+    """A robot at one moment. `executive`: it answers, is silent, or does not run. `silent_s` is how long its answer was
+    awaited. `asker` asks, with the role `role`, about the part `asked`. `messages` are by topic, such as `drive/state`.
+    `events` are oldest first."""
 
     facts: Facts
     executive: Literal["up", "silent", "down"] = "up"
@@ -139,7 +137,7 @@ class Snapshot(Struct, frozen=True, kw_only=True):
     asked: str = ""
 
     def unit(self, name: str) -> CapabilityStatus | None:
-        """Return how a capability's process is, None if nothing says."""
+        """Return the state of a capability's process, None if it is unknown."""
         units = self.status.capabilities if self.status is not None else ()
         return next((one for one in units if one.name == name), None)
 
@@ -156,21 +154,21 @@ class Snapshot(Struct, frozen=True, kw_only=True):
         return None
 
     def since_s(self, subject: str, kinds: Collection[str]) -> float | None:
-        """Return how long ago the newest event of these kinds was about a subject."""
+        """Return the age of the newest event of these kinds about a subject."""
         return next((self.ago_s(event) for event in self.newest(subject) if event.kind in kinds), None)
 
     def ago_iso_s(self, text: str) -> float | None:
-        """Return the age of a time of the rows; null if it is not a time."""
+        """Return the age of a time in the rows; None if it is not a time."""
         with suppress(ValueError):
             return max(0.0, self.wall_ns / 1e9 - datetime.fromisoformat(text).timestamp())
         return None
 
     def newest(self, subject: str) -> Iterator[Event]:
-        """Yield what happened to a subject, newest first."""
+        """Yield the events of a subject, newest first."""
         return (event for event in reversed(self.events) if event.subject == subject)
 
     def ago_s(self, event: Event) -> float | None:
-        """Return how long ago an event was, by the wall clock of the robot."""
+        """Return the age of an event, by the wall clock of the robot."""
         return max(0.0, (self.wall_ns - event.wall_ns) / 1e9) if event.wall_ns and self.wall_ns else None
 
 
@@ -214,7 +212,7 @@ class Report(Generic[State_co]):
 
 
 def _filled(saying: Saying, wanted: dict[str, Any]) -> str:
-    """Return the line that says this, empty if the pattern cannot."""
+    """Return the line with these values, empty if the pattern cannot hold them."""
     line, rest = saying.pattern, dict(wanted)
     for name, value in saying.payload.items():
         if name not in rest or rest.pop(name) != value:

@@ -1,14 +1,14 @@
-"""An answer in lines for people: the sentence, why it is believed, what to type, and the chain."""
+"""An answer in lines for people: the sentence, its evidence, the cure, and the chain."""
 
 from lbr.messages.why import Chain, Link
 
 MARKS = {"ok": "ok", "past": "was", "doubt": "may", "held": "HOLDS", "unknown": "?"}
-"""The words before a link: `may` holds some of the motions that may be asked, `was` has ended the last one."""
+"""The words before a link: `may` holds some of the possible motions, `was` has ended the last one."""
 AGO_S = ((86400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s"))
 
 
 def lines(chain: Chain, *, verbose: bool = False) -> list[str]:
-    """Return an answer in lines; the chain of a part that is well only if `verbose`."""
+    """Return an answer in lines; the chain of a healthy part only if `verbose`."""
     if chain.state == "ok" and not verbose:
         return [chain.text]
     answer = [chain.text if chain.state == "ok" else f"{chain.part}: {chain.text}"]

@@ -1,4 +1,4 @@
-"""The walk from what was asked to what moves: the links that every part has, in the order in which they hold."""
+"""The walk from the command to the motor: the links of each part, in the order in which they hold."""
 
 from collections.abc import Iterable, Iterator
 
@@ -10,11 +10,11 @@ from lbr.why import leases, parts, robot, said
 from lbr.why.snapshot import Channel, Part, Snapshot
 
 FRESH_S = 3.0
-"""A driver's readings come ten times a second and more, a supply's values once: an older one has ceased."""
+"""A driver's readings come at least ten times a second, a supply's once: an older one has ceased."""
 
 
 class Walk:
-    """Walks once through what holds a part, and through what that part needs, each of these once."""
+    """Walks once through the hindrances of a part, and of the parts that it needs, each of them once."""
 
     def __init__(self, snapshot: Snapshot) -> None:
         self.now = snapshot
@@ -23,7 +23,7 @@ class Walk:
         self._moves = False
 
     def of(self, name: str, *, asked: bool = True) -> Iterator[Link]:
-        """Yield the links of a capability; `asked`: it is the one that was asked for, not one that this one needs."""
+        """Yield the links of a capability; `asked`: the question is about it, not about one that needs it."""
         if name in self._seen:
             return
         self._seen.add(name)
@@ -57,7 +57,7 @@ class Walk:
         yield from self._targets(part, asked=asked)
 
     def executive(self) -> Iterator[Link]:
-        """Yield whether the robot runs at all, what hinders it, and whether who asks may move it."""
+        """Yield whether the robot runs, its hindrances, and whether the asker may move it."""
         yield robot.executive(self.now)
         if self.now.executive != "up":
             yield from robot.rows(self.now)
@@ -66,7 +66,7 @@ class Walk:
         yield from robot.rows(self.now)
 
     def edited(self) -> Iterator[Link]:
-        """Yield the last edit of the rows that touched a part on the way, or only words, which are no process."""
+        """Yield the last edit of the rows that touched a part on the way, or only words, which have no process."""
         for event in reversed(self.now.events):
             touched = event.data.get("touched")
             if event.kind != "rows_changed" or not isinstance(touched, list):
@@ -84,14 +84,14 @@ class Walk:
                 return
 
     def asker(self, part: Part) -> Iterator[Link]:
-        """Yield whether who asks may move this part."""
+        """Yield whether the asker may move this part."""
         if part.moves and RANKS[self.now.role] < RANKS["operate"]:
             text = f"who asks has the role '{self.now.role}', which may look and stop; to move '{part.name}' takes 'operate'"
             do = "come in with another token: lbr token add NAME --role operate, at the robot"
             yield Link("asker", self.now.asker, "held", text, "role", do=do)
 
     def _supply(self) -> Iterator[Link]:
-        """Yield what cuts the power of all that moves: a relay, or a shutdown that has begun."""
+        """Yield what cuts the power of everything that moves: a relay, or a shutdown under way."""
         if self.now.executive != "up":
             return
         for part in self.facts.parts.values():
@@ -105,13 +105,13 @@ class Walk:
                 yield from self._needed(part, need)
 
     def _needed(self, part: Part, need: str) -> Iterator[Link]:
-        """Yield the links of what a part needs; a camera among several that it only switches may be off."""
+        """Yield the links of a needed part; of several cameras, those that are only switched may be off."""
         links = list(self.of(need, asked=False))
         switches = "CamerasState" in part.outputs.values()
         yield from doubted(links) if switches else links
 
     def _inputs(self, part: Part) -> Iterator[Link]:
-        """Yield who feeds a part, and whether that comes: what it does not need holds only some of what it does."""
+        """Yield the sources of a part, and whether they publish: an optional one holds only some motions."""
         for port in part.inputs:
             wires = [one for one in self.facts.channels if one.target == f"{part.name}.{port}"]
             live = [one for one in wires if one.enabled]
@@ -127,7 +127,7 @@ class Walk:
                 yield from links if needed else doubted(links)
 
     def _thinned(self, part: Part, port: str, wire: Channel) -> Iterator[Link]:
-        """Yield that a channel lets less through than the part may do without."""
+        """Yield that a channel lets fewer messages through than the part needs."""
         oldest_s = said.oldest_s(part, part.inputs[port])
         if oldest_s is None or wire.rate_hz is None or 1.0 / wire.rate_hz < oldest_s:
             return
@@ -170,7 +170,7 @@ class Walk:
         return parts.update("channel", where, self.facts.robot, change)
 
     def _fed(self, part: Part) -> tuple[str, ...]:
-        """Return the capabilities whose setpoint a part feeds: the last ones of its chain."""
+        """Return the capabilities that finally receive a part's setpoint: the last ones of its chain."""
         ends = {
             one.target: one.target_part for one in self.facts.channels if one.source_part == part.name and one.enabled
         }
@@ -179,7 +179,7 @@ class Walk:
         return tuple(dict.fromkeys(fed))
 
     def _targets(self, part: Part, *, asked: bool) -> Iterator[Link]:
-        """Yield where a part's setpoint goes."""
+        """Yield the receivers of a part's setpoint."""
         targets = self._fed(part)
         if "setpoint" in part.outputs and not targets:
             yield self._unsent(part)
@@ -207,7 +207,7 @@ class Walk:
         return Link("setpoint", part.name, "held", text, "failed", evidence="@status: rates_hz", do=do)
 
     def _sender(self, part: Part, port: str) -> Iterator[Link]:
-        """Yield who sends a driver's setpoint, where that is not how we came here."""
+        """Yield the senders of a driver's setpoint, unless the walk came from there."""
         wires = [one for one in self.facts.channels if one.target == f"{part.name}.{port}"]
         live = [one for one in wires if one.enabled]
         if not live and wires:
@@ -220,7 +220,7 @@ class Walk:
 
 
 def doubted(links: Iterable[Link]) -> Iterator[Link]:
-    """Yield links of what holds only some of what may be asked."""
+    """Yield links with `held` weakened to `doubt`: they hold only some of the possible motions."""
     return (replace(one, state="doubt") if one.state == "held" else one for one in links)
 
 

@@ -1,1 +1,1 @@
-"""The view of the robot's emulated cameras, drawn in its own process so that the world's devices answer in time."""
+"""The view of the robot's emulated cameras, drawn in a process of its own so that the devices answer in time."""

@@ -23,7 +23,7 @@ _SOUND = CameraFaults()
 
 
 class Cameras:
-    """Serves everybody who watches, until the world hangs up."""
+    """Serves all viewers, until the world hangs up."""
 
     def __init__(self, control: socket.socket) -> None:
         self._control = control
@@ -32,7 +32,7 @@ class Cameras:
         self._faults: dict[str, CameraFaults] = {}
 
     def run(self) -> None:
-        """Begin as the world says, then draw for the viewers."""
+        """Begin by the world's first order, then draw for the viewers."""
         begin, descriptors = self._receive()
         if not isinstance(begin, Begin):
             return
@@ -71,7 +71,7 @@ class Cameras:
         return True
 
     def _receive(self) -> tuple[Order | None, list[int]]:
-        """Return an order and the descriptors that came with it; None: the world has hung up."""
+        """Return an order and its descriptors; None: the world has hung up."""
         data, descriptors, _, _ = socket.recv_fds(self._control, LONGEST_BYTES, 2)
         return (msgspec.json.decode(data, type=Order) if data else None), descriptors
 

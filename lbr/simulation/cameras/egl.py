@@ -1,4 +1,4 @@
-"""A place to draw into without a screen, by EGL; through ctypes, so that it needs no more than Mesa's libraries."""
+"""A drawing surface without a screen, by EGL; through ctypes, so that it needs only Mesa's libraries."""
 
 import ctypes
 from ctypes import c_char_p, c_int, c_uint, c_void_p
@@ -17,18 +17,18 @@ _ATTRIBUTES = (
 
 
 class EglContext:
-    """OpenGL made current for this thread; raise LbrError if the machine has no such thing."""
+    """OpenGL for this thread; raises LbrError if the machine has none."""
 
     def __init__(self) -> None:
         try:
-            self._egl = ctypes.CDLL("libEGL.so.1", ctypes.RTLD_GLOBAL)  # MuJoCo looks for its functions there
+            self._egl = ctypes.CDLL("libEGL.so.1", ctypes.RTLD_GLOBAL)  # MuJoCo searches there for its functions
         except OSError as err:
             raise LbrError(f"no EGL here ({err}); Debian has it in libegl1 and libgl1-mesa-dri") from err
         self._display = self._opened()
         self._context = self._made()
 
     def close(self) -> None:
-        """Give it back."""
+        """Release it."""
         self._call("eglMakeCurrent", c_int, (c_void_p,) * 4, self._display, None, None, None)
         self._call("eglDestroyContext", c_int, (c_void_p, c_void_p), self._display, self._context)
         self._call("eglTerminate", c_int, (c_void_p,), self._display)

@@ -1,4 +1,4 @@
-"""The world's side of its cameras: starts the process that draws when there are viewers, and feeds it views."""
+"""The world's side of its cameras: starts the drawing process when there are viewers, and sends it views."""
 
 import os
 import socket
@@ -22,8 +22,8 @@ _ENDING_S = 0.3
 
 
 class CameraHost:
-    """One process for all cameras of a packed model. `watch`, `set_faults` and `show` may come from another thread than
-    the rest."""
+    """One process for all cameras of a packed model. `watch`, `set_faults` and `show` may be called from another
+    thread."""
 
     def __init__(self, model: bytes, view_bytes: int, clock: Callable[[], float] = time.monotonic) -> None:
         self._model = model
@@ -41,7 +41,7 @@ class CameraHost:
 
     @property
     def running(self) -> bool:
-        """Return whether views are wanted."""
+        """Return whether views are needed."""
         return self._view is not None
 
     def watch(self, device: str, mount: str, connection: socket.socket) -> None:
@@ -49,18 +49,18 @@ class CameraHost:
         self._waiting.append((Watch(device, mount), connection))
 
     def set_faults(self, device: str, faults: CameraFaults) -> None:
-        """Say what is wrong with a device."""
+        """Set the faults of a device."""
         self._faults[device] = faults
         self._waiting.append((SetFaults(device, faults), None))
 
     def show(self, view: bytes, taken_s: float) -> None:
-        """Let the world look like this."""
+        """Set the present view of the world."""
         with self._lock:
             if self._view is not None:
                 self._view.write(view, round(taken_s * 1e9))
 
     def serve(self) -> list[Drawing]:
-        """Start the process if it is due, and send the waiting orders; return the drawings since the last call."""
+        """Start the process if it is due, and send the waiting orders; return the new reports of drawing."""
         drawings = self._read_drawings()
         watched = any(connection is not None for _, connection in self._waiting)
         if self._process is None and watched and self._clock() >= self._not_before:
@@ -73,7 +73,7 @@ class CameraHost:
         return drawings
 
     def close(self) -> None:
-        """Hang up; the process ends by that."""
+        """Hang up, which ends the process."""
         for _, connection in self._waiting:
             if connection is not None:
                 connection.close()
@@ -91,7 +91,7 @@ class CameraHost:
                 dying_with_parent((sys.executable, "-P", "-m", "lbr.simulation.cameras", str(theirs.fileno()))),
                 stdin=subprocess.DEVNULL,
                 pass_fds=(theirs.fileno(),),
-                env={**os.environ, "LP_NUM_THREADS": "1"},  # Mesa's software renderer would take every core
+                env={**os.environ, "LP_NUM_THREADS": "1"},  # Mesa's software renderer would use every core
             )
         self._control.setblocking(False)
         with os.fdopen(os.memfd_create("world-model", os.MFD_CLOEXEC), "wb") as file:
@@ -102,7 +102,7 @@ class CameraHost:
             self._send(SetFaults(device, faults), [])
 
     def _send(self, order: Order, descriptors: list[int]) -> None:
-        """Hand on, or lose if the process is gone: a viewer then sees its connection end."""
+        """Send an order, or drop it if the process is gone: a viewer then sees its connection end."""
         if self._control is None:
             return
         try:
@@ -126,7 +126,7 @@ class CameraHost:
         process = self._process
         self._end()
         if not self._drawing and process.returncode < 0:
-            self._use_gl = False  # a graphics library that takes the process down is not asked again
+            self._use_gl = False  # a graphics library that crashes the process is not tried again
         return []
 
     def _end(self) -> None:
@@ -146,7 +146,7 @@ class CameraHost:
 
 
 def _received(control: socket.socket) -> bytes:
-    """Return a message; nothing: the other end is gone. Its last output comes after the error of its end."""
+    """Return a message; empty: the other end is gone, possibly with an error."""
     try:
         return control.recv(LONGEST_BYTES)
     except ConnectionError:

@@ -1,4 +1,4 @@
-"""Two ways to draw what a camera sees: OpenGL without a screen, and rays for a machine that has none."""
+"""Two ways to draw a camera's view: OpenGL without a screen, and rays for a machine without it."""
 
 from typing import Any, Protocol
 
@@ -20,15 +20,15 @@ _GEOM_LIMIT = 2000
 
 
 class Renderer(Protocol):
-    """Draws what a camera of the model sees."""
+    """Draws the view of a camera of the model."""
 
     name: str
 
     def draw(self, camera: str, width_px: int, height_px: int) -> Image:
-        """Return a picture of the world as its data are now; of any size up to the asked one."""
+        """Return a picture of the present world; of any size up to the requested one."""
 
     def close(self) -> None:
-        """Give back what it holds."""
+        """Release its resources."""
 
 
 class GlRenderer:
@@ -50,7 +50,7 @@ class GlRenderer:
         self._camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
 
     def draw(self, camera: str, width_px: int, height_px: int) -> Image:
-        """Return a picture of the world as its data are now."""
+        """Return a picture of the present world."""
         mujoco, scene = self._mujoco, self._scene
         if width_px > self._room[0] or height_px > self._room[1]:
             self._room = (max(width_px, self._room[0]), max(height_px, self._room[1]))
@@ -66,13 +66,13 @@ class GlRenderer:
         return image[::-1]
 
     def close(self) -> None:
-        """Give the context back."""
+        """Release the context."""
         self._context.free()
         self._egl.close()
 
 
 class RayRenderer:
-    """One ray for each of a few pixels: coarse, but it needs nothing of the machine."""
+    """One ray for each of a few pixels: coarse, but independent of the machine's graphics."""
 
     name = "rays"
 
@@ -82,7 +82,7 @@ class RayRenderer:
         self._groups = np.array([1, 1, 1, 0, 0, 0], dtype=np.uint8)
 
     def draw(self, camera: str, width_px: int, height_px: int) -> Image:
-        """Return a picture of the world as its data are now, at most 160 pixels wide."""
+        """Return a picture of the present world, at most 160 pixels wide."""
         across = min(_RAYS_ACROSS, width_px)
         down = max(1, round(across * height_px / width_px))
         rays = self._rays(camera, across, down)
@@ -109,7 +109,7 @@ class RayRenderer:
         return np.clip(image, 0, 255).astype(np.uint8).reshape(down, across, 3)
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: it holds no resources."""
 
     def _rays(self, camera: str, across: int, down: int) -> NDArray[np.float64]:
         """Return a unit vector for each pixel; a camera of MuJoCo looks along its -z, with x to the right."""

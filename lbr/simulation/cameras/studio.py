@@ -1,4 +1,4 @@
-"""The drawing of pictures: what the world looked like a moment ago, as a device with its faults shows it."""
+"""The drawing of pictures: the world of a moment ago, as a device with its faults shows it."""
 
 import ctypes
 import importlib
@@ -16,13 +16,13 @@ from lbr.simulation.devices.camera import CameraFaults
 from lbr.simulation.physics import mujoco
 
 REST_S = 60.0
-"""The renderer is given back after this long without a picture of it."""
+"""The renderer is released after this long without a picture."""
 _QUALITY = 75
 _GARBAGE_BYTES = 2000
 
 
 class Studio:
-    """Draws one picture of a model of its own at a time; raise LbrError if nothing here can."""
+    """Draws one picture at a time, of a model of its own; raises LbrError if no renderer works here."""
 
     def __init__(self, model: Any, view: SharedView, *, use_gl: bool) -> None:
         try:
@@ -44,11 +44,11 @@ class Studio:
 
     @property
     def holds_renderer(self) -> bool:
-        """Return whether there is something to give back."""
+        """Return whether there is a renderer to release."""
         return self._renderer is not None
 
     def newest_ns(self) -> int:
-        """Bring everything where it is now, and return when that was."""
+        """Load the newest view, and return its time."""
         newest = self._view.read()
         if newest is not None and newest[0] != self._shown_ns:
             self._shown_ns = newest[0]
@@ -59,7 +59,7 @@ class Studio:
         return self._shown_ns
 
     def picture(self, device: str, mount: str, size: tuple[int, int], faults: CameraFaults) -> bytes:
-        """Return what a device shows now: a JPEG, unless a fault spoils it."""
+        """Return a device's present picture: a JPEG, unless a fault spoils it."""
         if faults.garbage and np.random.random() < faults.garbage:
             return os.urandom(_GARBAGE_BYTES)
         if not faults.frozen:
@@ -72,7 +72,7 @@ class Studio:
         return jpeg
 
     def _seen(self, mount: str, size: tuple[int, int]) -> bytes:
-        """Return what is seen from a mount; while nothing has moved it is drawn once."""
+        """Return the view from a mount; while nothing has moved it is drawn once."""
         if (mount, size) not in self._drawn:
             self._drawn[mount, size] = self._jpeg(self._image(mount, size), size)
             self._used_s = None
@@ -84,8 +84,7 @@ class Studio:
         return self._renderer.draw(mount, *size)
 
     def rest(self, now: float, *, watched: bool) -> None:
-        """Give the renderer back once nothing was drawn and nobody has looked for a minute; the next picture begins it
-        again."""
+        """Release the renderer after a minute without pictures and viewers; the next picture starts it again."""
         if watched or self._used_s is None:
             self._used_s = now
         elif now - self._used_s >= REST_S:

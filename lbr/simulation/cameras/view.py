@@ -1,4 +1,4 @@
-"""The data of a picture from one instant of the world, in memory shared with the process that draws."""
+"""The data of a picture from one instant of the world, in memory shared with the drawing process."""
 
 import mmap
 import os
@@ -16,7 +16,7 @@ _TRIES = 20
 
 
 class SharedView:
-    """The newest view only: a writer never waits, and a reader takes a whole one or nothing."""
+    """The newest view only: a writer never waits, and a reader gets a complete one or None."""
 
     def __init__(self, size: int, descriptor: int | None = None) -> None:
         self.descriptor = os.memfd_create("world-view", os.MFD_CLOEXEC) if descriptor is None else descriptor
@@ -26,11 +26,11 @@ class SharedView:
         self._memory = mmap.mmap(self.descriptor, self._end)
 
     def write(self, view: bytes, taken_ns: int) -> None:
-        """Put a view in the place of the one before."""
+        """Replace the view."""
         self._memory[: self._end] = _HEADER.pack(_sum(view, taken_ns), taken_ns) + view
 
     def read(self) -> tuple[int, bytes] | None:
-        """Return the newest view and when it was taken; None before the first, or if each try hit one half written."""
+        """Return the newest view and its time; None before the first, or if every attempt found one half written."""
         for _ in range(_TRIES):
             copy = self._memory[: self._end]
             checksum, taken_ns = _HEADER.unpack_from(copy)
@@ -46,13 +46,13 @@ class SharedView:
 
 
 def view_of(model: Any, data: Any) -> bytes:
-    """Return where everything is, and how large what was placed is."""
+    """Return the positions of all bodies, and the sizes of placed ones."""
     sizes = [model.geom(name).size for name in _placeable(model)]
     return b"".join(part.tobytes() for part in (data.qpos, data.mocap_pos, data.mocap_quat, np.array(sizes)))
 
 
 def show(mujoco: Any, model: Any, data: Any, view: bytes) -> None:
-    """Put everything where it was."""
+    """Restore the positions from a view."""
     values, at = np.frombuffer(view), 0
     for part in (data.qpos, data.mocap_pos, data.mocap_quat):
         part[...] = values[at : at + part.size].reshape(part.shape)
@@ -65,7 +65,7 @@ def show(mujoco: Any, model: Any, data: Any, view: bytes) -> None:
 
 
 def _placeable(model: Any) -> tuple[str, ...]:
-    """Return what may change its size; only a room has such things."""
+    """Return the bodies that may change their size; only a room has them."""
     return PLACEABLE if model.nmocap and model.body(1).name == PLACEABLE[0] else ()
 
 

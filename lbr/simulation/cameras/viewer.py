@@ -1,4 +1,4 @@
-"""One who watches a camera: what it asked for, and the picture under way to it."""
+"""A viewer of a camera: its settings, and the picture under way to it."""
 
 import fcntl
 import socket
@@ -19,8 +19,7 @@ _RESTING_PERIOD_S = 0.5
 
 
 class Wanted(Struct, frozen=True):
-    """A line from a client; what it leaves out stays. A simulated camera has no controls: any are taken, to no
-    effect."""
+    """A line from a client; left-out fields stay. A simulated camera ignores all controls."""
 
     width: Annotated[int, Meta(ge=16, le=LARGEST_PX[0])] | None = None
     height: Annotated[int, Meta(ge=16, le=LARGEST_PX[1])] | None = None
@@ -29,7 +28,7 @@ class Wanted(Struct, frozen=True):
 
 
 class Viewer:
-    """A connection. Pictures go one at a time: while one is still under way, the next are missed."""
+    """A connection. Pictures are sent one at a time: while one is under way, the next are skipped."""
 
     def __init__(self, device: str, mount: str, connection: socket.socket) -> None:
         self.device, self.mount, self.connection = device, mount, connection
@@ -42,7 +41,7 @@ class Viewer:
         connection.setblocking(False)
 
     def receive(self, now: float) -> None:
-        """Take what it says; nonsense or an end closes it."""
+        """Read its orders; an invalid one or an end closes it."""
         try:
             data = self.connection.recv(_READ_BYTES)
         except BlockingIOError:
@@ -59,7 +58,7 @@ class Viewer:
 
     @property
     def looks(self) -> bool:
-        """Return whether it wants more than the pictures of a driver whose camera rests."""
+        """Return whether it wants more than the pictures for a driver whose camera rests."""
         return self.due is not None and self.period_s < _RESTING_PERIOD_S
 
     def busy(self) -> bool:
@@ -77,7 +76,7 @@ class Viewer:
         self.go_on()
 
     def go_on(self) -> bool:
-        """Send what can be sent now; say whether some is left."""
+        """Send as much as possible now; return whether some is left."""
         try:
             while self._outgoing:
                 self._outgoing = self._outgoing[self.connection.send(self._outgoing) :]

@@ -1,4 +1,4 @@
-"""A humanoid as lines of text: how it lies, if its world tells, and each joint as it was measured last."""
+"""A humanoid as lines of text: how it lies, if its world publishes that, and the last measurement of each joint."""
 
 from math import degrees
 
@@ -12,7 +12,7 @@ _HEAD = f"{'joint':<22}{'angle':>8}{'goal':>8}{'load':>7}{'°C':>5}{'V':>6}  "
 
 
 def lines(state: JointsState, pose: HumanoidPose | None, width: int, height: int) -> list[str]:
-    """Return the view, no larger than asked; angles are degrees from each joint's zero."""
+    """Return the view within this size; angles are degrees from each joint's zero."""
     doing = _plays(state) if state.stored is not None else "moving" if state.moving else state.phase
     by = f", held by {short(state.holder)}" if state.holder else ""
     why = f": {short(state.reason)}" if state.reason and not state.moving else ""

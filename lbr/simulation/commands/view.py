@@ -35,7 +35,7 @@ WAIT_S = 5.0
 @click.option("--png", type=FileName(), metavar="FILE", help="Save one picture instead.")
 @click.option("--once", is_flag=True, help="Print one view and leave; so does an output that is not a terminal.")
 def command(whom: Whom, png: Path | None, once: bool) -> int:
-    """Watch a simulated robot from above, or a humanoid joint by joint, until Ctrl-C; it says when no news comes."""
+    """Watch a simulated robot from above, or a humanoid joint by joint, until Ctrl-C; a missing update is reported."""
     robot = target.find(*whom)
     with target.connected(robot) as bus:
         if png is not None:
@@ -65,7 +65,7 @@ def _wait(frame: Callable[[int, int], list[str]]) -> None:
 
 
 def _frames(bus: Session, robot: str, clock: Callable[[], float] = time.monotonic) -> Callable[[int, int], list[str]]:
-    """Return what draws the newest view, or nothing until all is known."""
+    """Return a function that draws the newest view, or nothing until all parts are known."""
     from lbr.simulation import topdown  # noqa: PLC0415
 
     scene = _Latest(bus, f"{robot}/world/scene", WorldScene, clock)
@@ -92,7 +92,7 @@ def _late(what: "_Latest[Any]", width: int) -> list[str]:
 
 
 class _Latest(Generic[S]):
-    """The newest message of a stream, and how long ago it came."""
+    """The newest message of a stream, and its age."""
 
     def __init__(self, bus: Session, key: str, kind: type[S], clock: Callable[[], float]) -> None:
         self._clock = clock
@@ -114,7 +114,7 @@ class _Latest(Generic[S]):
         return self._last
 
     def _read(self, payload: bytes) -> None:
-        with contextlib.suppress(MalformedError):  # a humanoid's world says other things than a room
+        with contextlib.suppress(MalformedError):  # a humanoid's world publishes other messages than a room
             self._last, self._seen = self._decoder.decode(payload), self._clock()
 
 

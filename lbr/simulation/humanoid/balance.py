@@ -1,4 +1,4 @@
-"""The test of a motion on a body's balance: played without devices, as fast as the machine can, and watched."""
+"""The test of a motion's balance: played without devices, as fast as the machine can, and watched."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import ceil, cos, hypot, radians, sin
@@ -17,15 +17,15 @@ from lbr.simulation.measured import ServoDrive
 from lbr.simulation.physics import mujoco
 
 FALLEN_RAD = radians(50.0)
-"""Leaning further than this from how it stands, no humanoid comes back by itself."""
+"""A humanoid that leans further than this from its stance cannot recover."""
 GOAL_S = 0.02
-"""The pace of goals for a servo, as in the joints operation."""
+"""The interval of goals for a servo, as in the joints operation."""
 SAMPLE_S, MOST_SAMPLES = 0.04, 600
 CALM_S, LONGEST_CALM_S = 0.6, 3.0
-"""The time that it is left to stand before the motion, until nothing moves."""
+"""The time to come to rest before the motion: at least, and at most."""
 CALM_RPS = 0.03
 AFTER_S = 1.5
-"""After its end a motion is watched this long: what tips over does so then."""
+"""For so long, a motion is watched after its end: a body that tips over does so within it."""
 AFTER_FALL_S = 0.8
 TELL_S = 0.2
 
@@ -34,10 +34,9 @@ Point = tuple[float, float]
 
 
 class Balance:
-    """One motion, played on a free body: `goals` says where joints are to be at a time of it, `frame` which one that
-    is.
+    """One motion, played on a free body: `goals` returns the angles of joints at a time, `frame` the key frame.
 
-    `play` yields how much is done, 0 to 1; after it, `report` says what came of it.
+    `play` yields the progress, 0 to 1; after it, `report` has the result.
     """
 
     def __init__(
@@ -63,7 +62,7 @@ class Balance:
         self.report = BalanceReport(stands=False, begins=False, duration_s=duration_s)
 
     def play(self) -> Iterator[float]:
-        """Stand up in the pose that it begins with, play it, and watch what comes of that."""
+        """Stand up in the first pose, play the motion, and watch the result."""
         begins = self._begin()
         self._origin = self._place()
         end_s = self._duration_s + AFTER_S
@@ -81,9 +80,9 @@ class Balance:
         self.report = self._judged(begins=begins)
 
     def _begin(self) -> bool:
-        """Put it on the floor in its first pose, and let it come to rest; say whether it stands so by itself.
+        """Put it on the floor in its first pose, and let it come to rest; return whether it stands by itself.
 
-        People find out on which of its soles, or how upright, a pose stands; here each is tried.
+        It is unknown on which sole, or how upright, a pose stands: each is tried.
         """
         first = self._goals(0.0)
         angles = [first.get(name, 0.0) for name in self._joints]
@@ -114,7 +113,7 @@ class Balance:
         }
 
     def _place(self) -> tuple[float, float, float]:
-        """Return where it stands on the floor, and where it looks."""
+        """Return its place on the floor, and its heading."""
         corners = self._touching()
         at = np.mean(corners, axis=0) if corners else self._data.qpos[:2]
         return float(at[0]), float(at[1]), heading_rad(self._data.xmat[self._engine.body.trunk])
@@ -140,13 +139,13 @@ class Balance:
             self._fell = sample
 
     def _lean(self) -> tuple[float, float, float]:
-        """Return how far the trunk is from upright, its roll and its pitch."""
+        """Return the lean of the trunk, its roll and its pitch."""
         pose = self._engine.pose()
         upright = max(-1.0, min(1.0, float(self._data.xmat[self._engine.body.trunk][8])))
         return float(np.arccos(upright)), pose.roll_rad, pose.pitch_rad
 
     def _seen(self, point: Any) -> Point:
-        """Return a point of the floor as seen from where it stood first."""
+        """Return a point of the floor relative to the first stance."""
         x, y, yaw = self._origin
         ahead, left = float(point[0]) - x, float(point[1]) - y
         return ahead * cos(yaw) + left * sin(yaw), left * cos(yaw) - ahead * sin(yaw)
@@ -161,7 +160,7 @@ class Balance:
         return [self._data.contact.pos[at][:2].copy() for at in self._contacts()]
 
     def _pressure(self) -> Floats | None:
-        """Return the middle of the forces on the floor; None while nothing presses on it."""
+        """Return the centre of pressure on the floor; None without contact."""
         whole, middle, force = 0.0, np.zeros(2), np.zeros(6)
         for at in self._contacts():
             mujoco.mj_contactForce(self._model, self._data, at, force)
@@ -195,7 +194,7 @@ def hull(points: Sequence[Point]) -> list[Point]:
 
 
 def margin(point: Point, corners: Sequence[Point]) -> float:
-    """Return how far a point is within a convex outline, as a negative distance where it is outside."""
+    """Return the distance of a point inside a convex outline, negative outside."""
     if len(corners) == 1:
         return -hypot(point[0] - corners[0][0], point[1] - corners[0][1])
     edges = list(zip(corners, [*corners[1:], corners[0]], strict=True))

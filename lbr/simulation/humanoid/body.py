@@ -17,7 +17,7 @@ from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.physics import mujoco
 
 STIFF_SHARE = 0.1
-"""A joint that turns through less of what its row allows is written in another unit: degrees are 57 times as many."""
+"""A joint with less than this share of its row's range has another unit: degrees are 57 times as many."""
 TIMESTEP_S = 0.004
 """250 steps a second, as often as the inertial unit measures; 1 ms walks and holds alike, for three times the work."""
 
@@ -28,9 +28,10 @@ HAND, FLOOR, IMU = "hand", "floor", "imu"
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A model that is ready to move: its trunk's and its feet's bodies, and those of its geoms that things bump into.
+    """A model that is ready to move: the bodies of its trunk and feet, and its geoms with collisions.
 
-    `positions` and `speeds` are where its joints are, in the order of the rows. `cameras` are the names of those in it.
+    `positions` and `speeds` are the indices of its joints, in the order of the rows. `cameras` are the names of its
+    cameras.
     """
 
     model: Any
@@ -43,7 +44,7 @@ class Body:
 
 
 def model_file(name: str, home: str) -> Path:
-    """Return the file of a body, the user's own or a robot's; raise InputError naming those that there are."""
+    """Return the file of a body, the user's own or a robot's; raise InputError with the known ones."""
     own = Path(home) / "models"
     if (own / f"{name}.xml").is_file():
         return own / f"{name}.xml"
@@ -58,7 +59,7 @@ def model_file(name: str, home: str) -> Path:
 
 
 def load(path: Path, joints: Iterable[Joint], settings: HumanoidWorldSettings) -> Body:
-    """Return the body in a file; raise InputError saying what is wrong with it."""
+    """Return the body in a file; raise InputError with its fault."""
     rows = tuple(joints)
     spec = _parsed(path)
     trunk = _checked(path, spec, rows)
@@ -90,7 +91,7 @@ def load(path: Path, joints: Iterable[Joint], settings: HumanoidWorldSettings) -
 
 
 def heading_rad(trunk_axes: NDArray[np.float64]) -> float:
-    """Return where a trunk looks, also lying: by the flatter of its ahead and its left."""
+    """Return the heading of a trunk, even if it lies: by the flatter one of its axes ahead and left."""
     ahead, left, _ = trunk_axes.reshape(3, 3).T
     if abs(ahead[2]) < abs(left[2]):
         return float(np.arctan2(ahead[1], ahead[0]))
@@ -105,7 +106,7 @@ def _parsed(path: Path) -> Any:
 
 
 def _checked(path: Path, spec: Any, rows: tuple[Joint, ...]) -> Any:
-    """Return the body that the others hang on."""
+    """Return the body to which all others are attached."""
     tops = list(spec.worldbody.bodies)
     free = [joint for joint in spec.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
     if len(tops) != 1 or len(free) != 1 or free[0].parent.name != tops[0].name or not tops[0].name:
@@ -127,7 +128,7 @@ def _checked(path: Path, spec: Any, rows: tuple[Joint, ...]) -> Any:
 
 
 def _stiff(model: Any, row: Joint) -> str:
-    """Say that a joint hardly turns, against what its row says: then angles were written in the other unit."""
+    """Report a joint with hardly any range, against its row: then its angles have the other unit."""
     joint = model.joint(row.name)
     lowest, highest = map(float, joint.range)
     if not model.jnt_limited[joint.id] or highest - lowest >= STIFF_SHARE * (row.upper_rad - row.lower_rad):
@@ -139,7 +140,7 @@ def _stiff(model: Any, row: Joint) -> str:
 
 
 def _surround(spec: Any, trunk: Any, field_ut: Vector) -> None:
-    """Add what every body gets: a floor, a hand that can hold it by its trunk, and its inertial unit's sensors."""
+    """Add the parts of every body: a floor, a hand that can hold it by its trunk, and its inertial unit's sensors."""
     spec.option.timestep = TIMESTEP_S
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.magnetic = field_ut
@@ -168,7 +169,7 @@ def _surround(spec: Any, trunk: Any, field_ut: Vector) -> None:
 
 
 def _add_ball(world: Any, name: str, ball: Ball) -> None:
-    """Add something that is only seen, and that moves by itself."""
+    """Add a visible ball that moves by itself."""
     body = world.add_body(name=BALL.format(name), mocap=True, pos=first_place(ball))
     colour = [*(int(ball.colour[at : at + 2], 16) / 255 for at in (1, 3, 5)), 1.0]
     body.add_geom(

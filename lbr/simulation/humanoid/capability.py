@@ -1,4 +1,4 @@
-"""The capability `humanoid_world`: a body on a floor, and an emulated twin for each device row that has one."""
+"""The capability `humanoid_world`: a body on a floor, and an emulated twin for each device row of a known type."""
 
 from functools import partial
 from math import degrees, inf
@@ -24,11 +24,11 @@ from lbr.simulation.requests import (
 from lbr.simulation.world import SimulatedWorld
 
 SAME_POSE_S = 0.5
-"""The pace of reports of a robot that does not move."""
+"""The interval of reports for a robot that does not move."""
 
 
 class HumanoidWorld(SimulatedWorld[HumanoidWorldSettings]):
-    """A body on a floor; tells the bus how it stands."""
+    """A body on a floor; publishes its pose."""
 
     def __init__(self, ctx: Context[HumanoidWorldSettings]) -> None:
         super().__init__(ctx)
@@ -39,13 +39,13 @@ class HumanoidWorld(SimulatedWorld[HumanoidWorldSettings]):
         self._posed_at = -inf
 
     def open(self) -> None:
-        """Put the body where it begins, plug the twins in and let time run."""
+        """Put the body at its start, plug the twins in and start time."""
         self._was = self._still = None
         engine = self._engine = HumanoidEngine(self.ctx.settings, self.ctx.rows(Joint), self.ctx.home)
         self._physics = self.begin(engine, partial(HumanoidPhysics, engine), mounts=engine.body.cameras)
 
     def tell_pose(self, now: float) -> None:
-        """Publish how it stands, less often while nothing moves, and say what a bystander would."""
+        """Publish the pose, less often while nothing moves, and report what a bystander would see."""
         physics, _ = self._running()
         pose = physics.pose
         still = replace(pose, supply_v=0.0, time_s=0.0)  # these two never stand still
@@ -78,7 +78,7 @@ class HumanoidWorld(SimulatedWorld[HumanoidWorldSettings]):
         return self._physics, self._engine
 
     def _tell(self, pose: HumanoidPose) -> None:
-        """Say what a bystander would."""
+        """Report what a bystander would see."""
         was, self._was = self._was, pose
         if was is None:
             return
@@ -93,7 +93,7 @@ class HumanoidWorld(SimulatedWorld[HumanoidWorldSettings]):
             self.ctx.event(_stance(pose), f"{robot} {_stance(pose)}")
 
     def _as_it_began(self) -> str:
-        """Say what picking it up makes of it; only the world's thread knows whether a servo has torque."""
+        """Return the result of picking it up, in words; only the world's thread knows whether a servo has torque."""
         if not self.ctx.settings.rests:
             return "in a helper's hand, on its feet"
         return "back as it began, or in a helper's hand if it has torque"

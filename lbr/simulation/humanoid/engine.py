@@ -1,4 +1,4 @@
-"""The physics of a humanoid: its joints moved by servos, on a floor, and what its devices measure."""
+"""The physics of a humanoid: its joints moved by servos, on a floor, and the measurements of its devices."""
 
 from collections.abc import Mapping, Sequence
 from math import asin, atan2, cos, radians, sin
@@ -24,14 +24,14 @@ from lbr.simulation.physics import mujoco, packed
 
 _UPRIGHT = cos(radians(45.0))
 _STAND_M = 0.05
-"""The height of a stand's feet above the floor."""
+"""The height of the feet above the floor on a stand."""
 
 _HAND_EVERY, _HAND_MPS = 5, 0.3
 _STANDS = 0.85
-"""The height of its trunk when it stands, as a share of that with every joint at zero."""
+"""The height of a standing trunk, as a share of that with every joint at zero."""
 
 _WELL_ABOVE = 0.4
-"""The distance of its weight from the middle of its feet that it bears, as a share of their span."""
+"""The permitted distance of its weight from the middle of its feet, as a share of their span."""
 
 
 class HumanoidEngine:
@@ -42,7 +42,7 @@ class HumanoidEngine:
         self.body: Body = load(model_file(settings.model, home), joints, settings)
         self.battery = BatteryState(settings.battery)
         self.buses = frozenset(joint.bus for joint in joints)
-        """Those that the joints' rows name."""
+        """The buses that the joints' rows name."""
         self._names = [joint.name for joint in joints]
         self._model, self._data = self.body.model, mujoco.MjData(self.body.model)
         self._servos = Servos(_as_built(joints, settings), settings.motors_of(self._names))
@@ -60,12 +60,12 @@ class HumanoidEngine:
 
     @property
     def data(self) -> Any:
-        """The physics engine's state, to look at."""
+        """Return the physics engine's state, for reading."""
         return self._data
 
     @property
     def time_s(self) -> float:
-        """Seconds the world has run."""
+        """Return the seconds that the world has run."""
         return float(self._data.time)
 
     @property
@@ -75,11 +75,11 @@ class HumanoidEngine:
 
     @property
     def resting(self) -> bool:
-        """Return whether nothing moves, nor is about to: then time passes without the physics."""
+        """Return whether nothing moves or is about to: then time passes without the physics."""
         return self._stillness.rests(self.battery.voltage_v) and self.grip.still
 
     def put(self, angles: Sequence[float], foot: str = "") -> None:
-        """Put it on the floor with its joints there, at rest and in no hand: upright, or with a foot flat on the
+        """Put it on the floor with these joint angles, at rest, without a hand: upright, or with a foot flat on the
         floor."""
         data = self._data
         data.qpos[self.body.positions] = angles
@@ -96,7 +96,7 @@ class HumanoidEngine:
         self._stillness.end()
 
     def turn(self, roll_rad: float, pitch_rad: float, yaw_rad: float, above_m: float) -> None:
-        """Turn it as it is, so that its lowest part is so far above the floor."""
+        """Turn it with its joints unchanged, so that its lowest part is so far above the floor."""
         data, quaternion = self._data, np.zeros(4)
         mujoco.mju_euler2Quat(quaternion, np.array((yaw_rad, pitch_rad, roll_rad)), "zyx")
         data.qpos[3:7] = quaternion
@@ -107,14 +107,14 @@ class HumanoidEngine:
         self._stillness.end()
 
     def push(self, ahead_mps: float, left_mps: float) -> None:
-        """Have something knock against the trunk, so that all of it goes so much faster."""
+        """Push the trunk, so that all of it goes so much faster."""
         self._data.qvel[:2] += (ahead_mps, left_mps)
         self._stillness.end()
 
     def pick_up(self) -> None:
-        """Put it as it began where it is and as it looks: limp joints at zero, or as it rests.
+        """Put it back into its first pose at its present place and heading: limp joints at zero, or at rest.
 
-        A hand holds it upright until it can stand, unless it can rest: that is, all of it is limp.
+        A hand holds it upright until it can stand. If all joints are limp and it has a rest, it rests instead.
         """
         data, limp = self._data, self._servos.limp
         rests = bool(self.settings.rests) and bool(limp.all()) and not self.settings.stand
@@ -138,7 +138,7 @@ class HumanoidEngine:
         self._stillness.end()
 
     def step(self, drives: Mapping[Servo, ServoDrive], dt_s: float) -> None:
-        """Run the world for `dt_s` with the servos driven like this."""
+        """Run the world for `dt_s` with these states of the servos' motors."""
         if self._servos.follow(drives):
             self._model.dof_damping[self.body.speeds] = self._servos.damping_nms
             self._stillness.end()
@@ -150,24 +150,24 @@ class HumanoidEngine:
             self._step_once()
 
     def driven(self, drives: Mapping[Servo, ServoDrive]) -> bool:
-        """Return whether the servos are driven like this already."""
+        """Return whether the servos' motors have these states already."""
         return self._servos.driven(drives)
 
     def rest(self, dt_s: float) -> None:
-        """Let time pass that it stood: it is that before an order which has just come."""
+        """Let time pass in which it stood, before an order that has just come."""
         self._owed_s += dt_s
         self._pass_time()
 
     def felt(self) -> dict[Servo, ServoFelt]:
-        """Return what the servos measure now."""
+        """Return the present measurements of the servos."""
         return self._servos.felt(*self._joints())
 
     def imu(self) -> ImuReading:
-        """Return what the inertial unit measures at the newest step."""
+        """Return the inertial unit's measurement at the newest step."""
         return self._imu.read(self._steps)
 
     def sensed(self) -> Sensed:
-        """Return what devices other than the servos can measure now."""
+        """Return the present measurements of devices other than the servos."""
         return Sensed(battery_v=self.battery.voltage_v, imu=self.imu())
 
     def pose(self) -> HumanoidPose:
@@ -191,18 +191,18 @@ class HumanoidEngine:
         )
 
     def view(self) -> bytes:
-        """Return what a picture needs of this instant."""
+        """Return the data of a picture of this instant."""
         return view_of(self._model, self._data)
 
     def packed(self) -> bytes:
-        """Return the model, for the process that draws."""
+        """Return the model, for the drawing process."""
         return packed(self._model)
 
     def _joints(self) -> tuple[Floats, Floats]:
         return self._data.qpos[self.body.positions], self._data.qvel[self.body.speeds]
 
     def _pass_time(self) -> None:
-        """Pass the time that is owed without a step: the battery, the balls and what noise there is go on."""
+        """Pass the outstanding time without a step: only the battery, the balls and noise go on."""
         steps = int(self._owed_s / TIMESTEP_S + 1e-6)
         self._owed_s -= steps * TIMESTEP_S
         self._steps += steps
@@ -234,8 +234,7 @@ class HumanoidEngine:
         return self._servos.on_their_way or (self.held and not self.settings.stand and not self._servos.limp.any())
 
     def _stand_still(self) -> None:
-        """Take out what is left of motion, which is that of the model's contacts, and of what an inertial unit feels of
-        it."""
+        """Remove the rest of motion, which comes from the model's contacts, and its effect on the inertial unit."""
         data = self._data
         data.qvel[:] = 0.0
         mujoco.mj_forward(self._model, data)
@@ -245,7 +244,7 @@ class HumanoidEngine:
         self._imu.settle(data)
 
     def _hold(self) -> None:
-        """Move the helper's hand so that the feet are on the floor, and open it when all is well."""
+        """Move the helper's hand so that the feet are on the floor, and open it once the robot can stand."""
         if self._driven_s >= self.settings.hand_s and self._balanced():
             self._data.eq_active[0] = False
             return
@@ -253,8 +252,7 @@ class HumanoidEngine:
         self._data.mocap_pos[0, 2] += max(-most, min(most, -self._lowest_m()))
 
     def _on_soles(self, foot: str = "") -> Floats:
-        """Return how the trunk is turned when a foot is flat on the floor, from where all is with the trunk
-        unturned."""
+        """Return the turn of the trunk with a foot flat on the floor, from the positions with the trunk unturned."""
         turned = np.array((1.0, 0.0, 0.0, 0.0))
         if self.body.feet:
             mujoco.mju_negQuat(
@@ -263,7 +261,7 @@ class HumanoidEngine:
         return turned
 
     def _balanced(self) -> bool:
-        """Return whether it stands on all its feet, its weight well above them."""
+        """Return whether it stands on all its feet, with its weight well above them."""
         if not set(self.body.feet) <= set(self._on_floor()):
             return False
         soles = np.flatnonzero(np.isin(self._model.geom_bodyid, list(self.body.feet.values())) & self.body.solid)
@@ -280,7 +278,7 @@ class HumanoidEngine:
         return tuple(sorted({self._model.body(self._model.geom_bodyid[geom]).name for geom in geoms}))
 
     def _lowest_m(self) -> float:
-        """Return how far the lowest part reaches down, from where everything is now."""
+        """Return the height of its lowest part."""
         solid = np.flatnonzero(self.body.solid)
         turned = self._data.geom_xmat[solid].reshape(-1, 3, 3)[:, 2]
         middle = self._data.geom_xpos[solid, 2] + (turned * self._model.geom_aabb[solid, :3]).sum(axis=1)
@@ -289,7 +287,7 @@ class HumanoidEngine:
 
 
 def _as_built(joints: Sequence[Joint], settings: HumanoidWorldSettings) -> list[Joint]:
-    """Return how the servos really sit on their joints."""
+    """Return the real mounting of the servos on their joints."""
     if unknown := sorted(settings.mounted.keys() - {joint.name for joint in joints}):
         raise InputError(f"world setting `mounted`: there is no joint '{unknown[0]}'")
     found = ((joint, settings.mounted.get(joint.name)) for joint in joints)

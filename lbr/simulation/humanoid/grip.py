@@ -1,4 +1,4 @@
-"""A hand that takes joints by turns and moves them, as a person does who shows a limp arm a pose."""
+"""A hand that takes joints in turn and moves them, as a person does who shows a limp arm a pose."""
 
 from collections.abc import Sequence
 from math import degrees, radians
@@ -10,12 +10,12 @@ from lbr.simulation.humanoid.servos import Floats
 from lbr.simulation.requests import HandRequest
 
 STIFFNESS_NM, DAMPING_NMS, STRONGEST_NM = 30.0, 1.2, 6.0
-"""Stiff enough to carry a stretched arm of half a kilogram within two degrees, calm with its lightest joint."""
+"""Stiff enough to carry a stretched arm of half a kilogram within two degrees, and damped for its lightest joint."""
 SPEED_RPS = 1.5
 
 
 class Grip:
-    """Any thread may ask; `torques` is what the hand does between two steps of the physics."""
+    """The hand. Any thread may ask; `torques` is its effect between two steps of the physics."""
 
     def __init__(self, names: Sequence[str]) -> None:
         self._names = list(names)
@@ -25,11 +25,11 @@ class Grip:
 
     @property
     def still(self) -> bool:
-        """Return whether nothing was asked of it that it has not begun."""
+        """Return whether it has begun all requests."""
         return self._goal is self._followed
 
     def take(self, request: HandRequest) -> str:
-        """Move a joint, or leave all, and say so; raise InputError if there is no such joint."""
+        """Move a joint, or release all, and return a report; raise InputError if there is no such joint."""
         goal = self._goal.copy()
         if request.gone:
             goal = self._free
@@ -42,7 +42,7 @@ class Grip:
         return f"a hand holds {', '.join(held)} degrees" if held else "the hand is gone"
 
     def torques(self, position: Floats, speed: Floats, dt_s: float) -> Floats:
-        """Return what the hand does to each joint; 0 where it is not."""
+        """Return the hand's torque on each joint; 0 where it is not."""
         goal = self._followed = self._goal
         if goal is self._free:
             self._at = goal

@@ -12,7 +12,7 @@ from lbr.simulation.twins import PowerSwitch, ServoBus, Twin
 
 
 class HumanoidPhysics:
-    """`pose` and `view` are the newest; `pick_up` may be set by any thread, and is done at the next step."""
+    """The physics with its twins. `pose` and `view` are the newest; any thread may set `pick_up`, for the next step."""
 
     timestep_s = TIMESTEP_S
 
@@ -27,7 +27,7 @@ class HumanoidPhysics:
         self._buses = [(name if name in engine.buses else "", bus) for name, bus in found.items()]
 
     def advance(self, now: float, dt_s: float) -> None:
-        """Run for a while with the servos driven as their registers say, and tell them where that brought them."""
+        """Run for `dt_s` with the servos driven by their registers, and give them the resulting angles."""
         if self.pick_up:
             self.pick_up = False
             self._engine.pick_up()
@@ -41,7 +41,7 @@ class HumanoidPhysics:
             bus.feel_servos(felt[name], supply_v, now)
 
     def resting(self, now: float) -> bool:
-        """Return whether nothing moves, and the servos' registers want nothing else."""
+        """Return whether nothing moves, and the servos' registers ask for no motion."""
         return not self.pick_up and self._engine.resting and self._engine.driven(self._drives(now))
 
     def rest(self, dt_s: float) -> None:
@@ -49,7 +49,7 @@ class HumanoidPhysics:
         self._engine.rest(dt_s)
 
     def imu(self) -> ImuReading:
-        """Return what the inertial unit measures at the newest step."""
+        """Return the inertial unit's measurement at the newest step."""
         return self._engine.imu()
 
     def look(self, now: float) -> Sensed:
@@ -64,9 +64,9 @@ class HumanoidPhysics:
         return isinstance(twin, PowerSwitch | ServoBus)
 
     def at_rest(self, now: float) -> bool:  # noqa: ARG002
-        """Say so: a servo's motion ends with its bus."""
+        """Return True: a servo's motion ends with its bus."""
         return True
 
     def _drives(self, now: float) -> dict[Servo, ServoDrive]:
-        """Return what the motor of each servo does."""
+        """Return the motor state of each servo."""
         return {servo(name, number): drive for name, bus in self._buses for number, drive in bus.drives(now).items()}

@@ -1,4 +1,4 @@
-"""A humanoid drawn from its front and its left, as an architect draws a house; needs Pillow."""
+"""A humanoid drawn from its front and its left, in parallel projection; needs Pillow."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ Colour = tuple[int, int, int]
 
 @dataclass(frozen=True, slots=True)
 class _View:
-    """A direction to look along: what is to the right, and what is towards the onlooker, in the robot's axes."""
+    """A direction of view: the axes to the right and towards the viewer, in the robot's axes."""
 
     title: str
     right: Floats
@@ -36,7 +36,7 @@ _LEFT = _View("from its left", np.array([-1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0
 
 
 def portrait(body: Body, view: bytes, pose: HumanoidPose, size: tuple[int, int]) -> "Image":
-    """Return how the robot stood at a view of the engine, side by side from the front and from its left."""
+    """Return the robot at a view of the engine, side by side from the front and from its left."""
     from PIL import Image, ImageDraw, ImageFont
 
     data = mujoco.MjData(body.model)
@@ -62,8 +62,7 @@ def portrait(body: Body, view: bytes, pose: HumanoidPose, size: tuple[int, int])
 
 
 def _faces(model: Any, data: Any, trunk: int) -> list[tuple[Floats, Floats, Colour]]:
-    """Return every visible face of the robot: its corners, its normal and its colour; what is round is drawn as its
-    bounding box."""
+    """Return every visible face of the robot: its corners, normal and colour; round bodies as their bounding boxes."""
     faces = []
     for geom in range(model.ngeom):
         if model.body_rootid[model.geom_bodyid[geom]] != trunk or model.geom_rgba[geom, 3] == 0.0:
@@ -88,7 +87,7 @@ def _corners(axis: int, sign: float) -> Floats:
 def _turned(
     faces: Iterable[tuple[Floats, Floats, Colour]], pose: HumanoidPose, heading: float
 ) -> list[tuple[Floats, Floats, Colour]]:
-    """Return faces around the robot's own place, as if it looked along x."""
+    """Return faces around the robot's own place, as if its heading were x."""
     c, s = np.cos(-heading), np.sin(-heading)
     back = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     here = np.array([pose.x_m, pose.y_m, 0.0])
@@ -96,7 +95,7 @@ def _turned(
 
 
 def _ordered(faces: list[tuple[Floats, Floats, Colour]], looked: _View) -> list[tuple[Floats, Colour]]:
-    """Return the faces that can be seen, the furthest first, in their light."""
+    """Return the visible faces, the furthest first, in their light."""
     seen = [face for face in faces if face[1] @ looked.towards > 0.0]
     seen.sort(key=lambda face: float((face[0] @ looked.towards).mean()))
     return [(corners, _lit(colour, normal, looked)) for corners, normal, colour in seen]
@@ -110,7 +109,7 @@ def _lit(colour: Colour, normal: Floats, looked: _View) -> Colour:
 
 
 def _room_m(body: Body) -> tuple[float, float]:
-    """Return how tall and how wide a view is to be: as the body with its arms raised, or lying."""
+    """Return the height and width of a view: enough for the body with its arms raised, or lying."""
     trunk_m = float(body.model.body_pos[body.trunk, 2])
     return trunk_m * 1.9, trunk_m * 1.45
 

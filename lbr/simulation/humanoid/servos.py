@@ -1,4 +1,4 @@
-"""Servo motors as their registers make them work, all of a body's at once."""
+"""The servo motors of a body, controlled by their registers, all at once."""
 
 from collections.abc import Mapping, Sequence
 
@@ -11,24 +11,24 @@ from lbr.simulation.measured import ServoDrive, ServoFelt
 
 Floats = NDArray[np.float64]
 Servo = int | tuple[str, int]
-"""A servo of a body: its number, and before that the bus, if its joint's row names one."""
+"""A servo of a body: its number, with the bus before it if its joint's row names one."""
 
 _LIMP_NMS = 0.01
-"""Damping of a motor without supply; one that is driven or shorted brakes by what it generates."""
+"""Damping of a motor without supply; a driven or shorted one brakes as a generator."""
 
 _ANY_SPEED_RPS = 1e6
 _THERE_RAD = 1e-6
 
 
 def servo(bus: str, number: int) -> Servo:
-    """Return what a servo is called."""
+    """Return the key of a servo."""
     return (bus, number) if bus else number
 
 
 class Servos:
     """The motors of the joints, in the joints' radians and in the order of the rows.
 
-    `limp` are those without torque, all until they are driven; `load` is the torque of each as a share of its most.
+    `limp` are those without torque, all until they are driven; `load` is the torque of each as a share of its maximum.
     """
 
     def __init__(self, joints: Sequence[Joint], motors: Sequence[Motor]) -> None:
@@ -50,7 +50,7 @@ class Servos:
 
     @property
     def on_their_way(self) -> bool:
-        """Return whether the target of any still goes to its goal."""
+        """Return whether any servo is still on its way to its goal."""
         return bool((~self.limp & (np.abs(self._target - self._goal) > _THERE_RAD)).any())
 
     def driven(self, drives: Mapping[Servo, ServoDrive]) -> bool:
@@ -58,7 +58,7 @@ class Servos:
         return drives == self._drives
 
     def follow(self, drives: Mapping[Servo, ServoDrive]) -> bool:
-        """Take over what the registers say; say whether that is anything new."""
+        """Follow the registers; return whether they have changed."""
         if drives == self._drives:
             return False
         self._drives = drives
@@ -77,7 +77,7 @@ class Servos:
         return True
 
     def torques(self, position: Floats, speed: Floats, supply_v: float, dt_s: float) -> Floats:
-        """Return what the motors do to their joints, without the braking of `damping_nms`, and keep their `load`."""
+        """Return the motors' torques on their joints, without the braking of `damping_nms`, and keep their `load`."""
         most = self._speed * dt_s
         self._target = np.where(self.limp, position, self._target + np.clip(self._goal - self._target, -most, most))
         error = self._target - position
@@ -91,14 +91,14 @@ class Servos:
         return torque
 
     def felt(self, position: Floats, speed: Floats) -> dict[Servo, ServoFelt]:
-        """Return what the servos measure, in their own radians."""
+        """Return the servos' measurements, in their own radians."""
         positions = (self._zero + self._sign * position).tolist()
         speeds, loads = (self._sign * speed).tolist(), (self._sign * self.load).tolist()
         each = zip(self._ids, positions, speeds, loads, strict=True)
         return {number: ServoFelt(position_rad=at, speed_rps=going, load=load) for number, at, going, load in each}
 
     def amps(self) -> float:
-        """Return what all motors draw."""
+        """Return the current of all motors."""
         return float((np.abs(self.load) * self._stall_a).sum())
 
     def _sided(self, pairs: list[tuple[float, float]]) -> Floats:

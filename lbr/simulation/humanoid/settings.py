@@ -13,9 +13,8 @@ from lbr.simulation.settings import Battery, Compass, Imu
 
 
 class Motor(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The motor of each servo, at `rated_v`: stall torque, speed without load, current; friction and rotor inertia show
-    at the horn.
-    """
+    """The motor of each servo, at `rated_v`: stall torque, speed without load, current; friction and rotor inertia are
+    at the horn."""
 
     stall_nm: Annotated[float, Meta(gt=0.0, le=100.0)] = 1.5
     no_load_rps: Annotated[float, Meta(gt=0.0, le=100.0)] = 6.2
@@ -41,7 +40,11 @@ class Mounting(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class HumanoidWorldSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """`model`: a body in `$LBR_HOME/models` or of a robot, with the joints of the rows.
 
-    It begins upright, all joints at zero, in a helper's hand, until all servos have had torque for `hand_s` and its weight is above its feet. With `rests`, angles of a rest, it begins limp, without a hand. `seed` fixes all noise. The body places the inertial unit: the `mount` of `imu` is unused. `motors`: those unlike `motor`, the first that fits; `mounted`: servos, by joint, that sit unlike their rows; `balls`: targets of its camera, by name.
+    It begins upright, all joints at zero, in a helper's hand. The hand opens once all servos have had torque for
+    `hand_s` and its weight is above its feet. With `rests`, angles of a rest, it begins limp, without a hand. `seed`
+    fixes all noise. The body places the inertial unit: the `mount` of `imu` is unused. `motors`: those that differ from
+    `motor`, the first that fits. `mounted`: servos, by joint, with a mounting unlike their rows. `balls`: targets of
+    its camera, by name.
     """
 
     model: Name
@@ -61,7 +64,7 @@ class HumanoidWorldSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fi
     pose_hz: Annotated[float, Meta(ge=1.0, le=100.0)] = 20.0
 
     def motors_of(self, joints: Sequence[str]) -> list[Motor]:
-        """Return what is in the servo of each joint; raise InputError naming a pattern that fits none."""
+        """Return the motor in the servo of each joint; raise InputError with a pattern that fits none."""
         patterns = [pattern for group in self.motors for pattern in group.joints]
         unused = [pattern for pattern in patterns if not any(fnmatchcase(joint, pattern) for joint in joints)]
         if unused:

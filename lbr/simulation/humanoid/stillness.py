@@ -7,15 +7,15 @@ import numpy as np
 from lbr.simulation.humanoid.servos import Floats
 
 STILL_S = 1.0
-"""The time without motion that makes a rest. A body that tips over gets away from its place a hundredfold meanwhile."""
+"""So long without motion is a rest. A body that tips over moves a hundred times further meanwhile."""
 STILL_M, STILL_RAD = 1e-3, 3e-3
-"""The way that is no motion; servos count in steps of 5 mrad and more."""
+"""A smaller change is no motion; servos count in steps of 5 mrad and more."""
 SAG_V = 0.1
-"""A supply that has changed by more has motors push otherwise."""
+"""After a greater change of the supply, the motors push with other force."""
 
 
 class Stillness:
-    """`look` at a body now and then; `end` its rest with each push."""
+    """Detects rest: `look` at a body at intervals; `end` its rest with each push."""
 
     def __init__(self, places: Any) -> None:
         count = len(places) - 7
@@ -30,11 +30,11 @@ class Stillness:
         return self._rested_v is not None and abs(supply_v - self._rested_v) < SAG_V
 
     def end(self) -> None:
-        """Begin to look anew."""
+        """Begin anew."""
         self._low = self._rested_v = None
 
     def look(self, places: Any, time_s: float, supply_v: float, *, about_to: bool) -> bool:
-        """Take in where it is; say whether a rest begins now. `about_to`: something is to move it."""
+        """Note its place; return whether a rest begins now. `about_to`: something is about to move it."""
         self._rested_v = None
         if self._low is not None and not about_to:
             self._low, self._high = np.minimum(self._low, places), np.maximum(self._high, places)

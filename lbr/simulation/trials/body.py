@@ -1,7 +1,6 @@
 """The reports of a humanoid's drivers on its simulated body, with their rates, delays and faults.
 
-Joints sit askew, servos hear of their goals late, what they measure jitters, and a main board takes its time to give up
-what it plays.
+Joints are mounted askew, goals reach servos late, measurements jitter, and a main board needs time to end a motion.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,32 +26,32 @@ ASKEW_RAD, JITTER_RAD = 0.006, 0.005
 LEAN_NOISE_RAD = 0.01
 LATE_ROUNDS = (1, 4)
 GIVES_UP_S, PASSES_S = (0.01, 0.04), (0.06, 0.2)
-"""The time that a main board plays on once it is to give up, and when its servos are read and told again; assumed."""
+"""The time that a main board plays on after a request to end, and then until its servos obey again; assumed."""
 PUSH_NS_PER_KG = 0.35
 
 
 class Player(Protocol):
-    """The player of motions that a controller keeps, which moves all servos meanwhile."""
+    """The player of motions that a controller stores, which moves all servos meanwhile."""
 
     playing: int | None
 
     def press(self, slot: int, now: float) -> bool:
-        """Begin a motion; say whether there is one."""
+        """Begin a motion; return whether it exists."""
 
     def drives(self, now: float) -> dict[int, ServoDrive]:
-        """Return what each servo's motor does now."""
+        """Return the motor state of each servo."""
 
     def feel(self, felt: Mapping[int, ServoFelt], supply_v: float, now: float) -> None:
-        """Take in where the body has the servos."""
+        """Set the servos' angles in the body."""
 
 
 def standing_angles(engine: HumanoidEngine) -> list[float]:
-    """Return the angles of all joints in which it stands straight."""
+    """Return the angles of all joints in a straight stance."""
     return [0.0] * len(engine.body.positions)
 
 
 class BodyInstruments:
-    """Moves the body as its servos' goals, and publishes on the keys of the drivers. `pose` is the truth."""
+    """Moves the body to its servos' goals, and publishes on the keys of the drivers. `pose` is the truth."""
 
     def __init__(
         self,
@@ -112,11 +111,11 @@ class BodyInstruments:
                     self._board.put(key, self._attitude(now), name)
 
     def fastest_rps(self) -> float:
-        """Return how fast the fastest joint is."""
+        """Return the speed of the fastest joint."""
         return max((abs(felt.speed_rps) for felt in self._engine.felt().values()), default=0.0)
 
     def _take(self, setpoint: ServoSetpoint) -> None:
-        """As a driver: begin what the main board is to play, and have it give that up when all are to hold."""
+        """Act as a driver: begin the main board's motion, and end it when all servos are to hold."""
         now, asked, playing = self._board.now, setpoint.stored, self._stored
         if (
             self._halt is not None
@@ -164,7 +163,7 @@ class BodyInstruments:
         main_board.feel(felt, self._engine.battery.voltage_v, now)
 
     def _suffered(self, drives: Mapping[int, ServoDrive], now: float) -> dict[int | tuple[str, int], ServoDrive]:
-        """Return what motors do, with what is wrong with them."""
+        """Return the motors' states, with their faults."""
         buses = {row.device_id: row.bus for row in self._rows}
         dead = self._dead if now - self._began_s >= self._faults.dead_s else None
         return {

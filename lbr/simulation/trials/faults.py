@@ -15,10 +15,10 @@ BOX = BoxSettings(name="box", x_m=-0.5, y_m=1.2, length_m=0.4, width_m=0.5)
 class Faults(Struct, frozen=True, kw_only=True):
     """The faults of a trial; times are from its start.
 
-    `dock` is how the dock is changed, None: it is gone; `box` stands in the room as well. `deaf` are the beams that are
-    not seen from `deaf_s` on. From `blind_s` on the ranges measure nothing, from `lost_s` on the attitude is silent.
-    With `slip` the wheels turn up to so much farther than the robot goes. Of a humanoid, a servo has no torque from
-    `dead_s` on, something knocks against it at `pushed_s`, and its motors have this part of their `strength`.
+    `dock` is the changed dock, None: it is gone; `box` also stands in the room. `deaf` are the beams that are invisible
+    from `deaf_s` on. From `blind_s` on the ranges measure nothing, from `lost_s` on the attitude is silent. With `slip`
+    the wheels turn up to so much farther than the robot goes. For a humanoid, a servo has no torque from `dead_s` on,
+    and a push comes at `pushed_s`. Its motors have the share `strength` of their torque.
     """
 
     dock: Mapping[str, float] | None = {}
@@ -33,7 +33,7 @@ class Faults(Struct, frozen=True, kw_only=True):
     strength: float = 1.0
 
     def world(self, world: WorldSettings) -> WorldSettings:
-        """Return the world as it then is."""
+        """Return the world with its faults."""
         if world.dock is not None:
             dock = None if self.dock is None else replace(world.dock, **self.dock)
             world = replace(world, dock=dock)
@@ -55,17 +55,17 @@ DOCKING: dict[str, Faults] = {
     "battery does not charge": Faults(dock={"current_a": 0.0}),
     "wheels slip": Faults(slip=0.3),
 }
-"""Of the dock, and of what any table reads. Those of the dock mean the furnished room's."""
+"""Faults of the dock, and of streams that any table reads. Those of the dock assume the furnished room."""
 ANY: dict[str, Faults] = {
     name: DOCKING[name] for name in ("ranges dead on the way", "attitude lost on the way", "wheels slip")
 }
-"""Of what any table reads."""
+"""Faults of streams that any table reads."""
 BODY: dict[str, Faults] = {
     "attitude lost in a motion": Faults(lost_s=5.0),
     "a servo lets go": Faults(dead_s=6.0),
     "pushed": Faults(pushed_s=6.0),
     "motors weak": Faults(strength=0.6),
 }
-"""Of a humanoid."""
+"""Faults of a humanoid."""
 ON_WHEELS: Mapping[str, Faults] = {**DOCKING, **ANY}
 EVERY: Mapping[str, Faults] = {**BODY, **ON_WHEELS}

@@ -14,16 +14,16 @@ from lbr.simulation.trials.faults import NONE, Faults
 from lbr.simulation.trials.trial import BY, WORLD, Setup, TableTrial, rows_of
 
 AS_THEY_ARE = frozenset({"joints", "motions", "behaviour"})
-"""Kinds that run here as they are; what others would tell, instruments tell, or nothing does."""
+"""Kinds that run here unchanged; instruments publish in place of the others, or nothing does."""
 LEANS: dict[str, tuple[float, float]] = {"face": (0.0, 1.1), "back": (0.0, -1.1), "right side": (1.1, 0.0), "left side": (-1.1, 0.0)}  # fmt: skip
-"""Roll and pitch from which it falls, by where it then lies; more than any came back from."""
+"""Roll and pitch from which it falls, by the side on which it then lies; too far to recover."""
 LEAN_RAD, POSE_RAD, DROP_M = 0.1, 0.05, 0.01
 MOVES_RPS = 0.3
-"""A joint that is faster than this, some seconds after the end, is moved by something."""
+"""A joint that is faster than this, some seconds after the end, is being moved."""
 
 
 class HumanoidTrial(TableTrial):
-    """A humanoid in its world with something wrong, by dice that are always the same for a seed and a number."""
+    """A humanoid in its world with a fault, by random numbers that are the same for a seed and a number."""
 
     def __init__(self, setup: Setup, number: int, *, seed: int = 1, fault: str = "", faults: Faults = NONE) -> None:
         self.number, self.fault, self.start = number, fault, StartPose()
@@ -40,14 +40,14 @@ class HumanoidTrial(TableTrial):
         self._upright = self.engine.pose().upright
 
     def warm_up(self) -> None:
-        """Let it fall if it is to, and switch its torque on, as a person does before a table."""
+        """Let it fall if that is its start, and switch its torque on, as a person does before a table."""
         super().warm_up()
         asked = self.board.command(self._joints, "torque", TorqueCommand(on=True), BY)
         while asked.answers() is None:
             self.round()
 
     def round(self) -> None:
-        """Let one round go by, and watch the robot."""
+        """Let one round pass, and watch the robot."""
         self.board.round()
         before = self.instruments.pose
         self.instruments.round()
@@ -68,7 +68,7 @@ class HumanoidTrial(TableTrial):
 
 
 def _placed(engine: HumanoidEngine, begins: str, number: int, random: Random) -> str:
-    """Put the body where it begins; return that in words."""
+    """Put the body at its start; return that in words."""
     askew = POSE_RAD if number and begins == "fallen" else 0.0
     angles = [angle + random.gauss(0.0, askew) for angle in standing_angles(engine)]
     engine.put(angles)

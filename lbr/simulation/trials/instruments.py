@@ -17,19 +17,18 @@ from lbr.simulation.engine import Engine
 from lbr.simulation.trials.faults import Faults
 
 MOTORS_S, RANGES_S, ATTITUDE_S, DOCK_S, SIGHTING_S = 0.06, 0.1, 0.04, 0.11, 0.07
-"""The rates of reports, as measured of the running robot; a beam comes nine times a second."""
+"""The intervals of reports, as measured on a running robot; a beam comes nine times a second."""
 SETPOINT_S = 0.1
-"""An older setpoint does not count: the motor driver lets no wheel turn by it."""
+"""The motor driver ignores an older setpoint."""
 BEAM_S = 1.5
 TURN_NOISE_DPS = 0.1
 EYE, FIELD_DEG = "front", (72.0, 45.0)
-"""The camera that looks out for a ball, and how wide and how high it sees; what stands before a ball hides none
-here."""
+"""The camera that looks for a ball, with the width and height of its field; nothing hides a ball here."""
 BEARING_NOISE_DEG, DISTANCE_NOISE = 0.5, 0.03
 
 
 class Instruments:
-    """Tells on the keys of those capabilities that are not on the board, of the messages that it knows.
+    """Publishes the known messages on the keys of capabilities that are not on the stage.
 
     `pose` is the truth about the robot at the end of the last round.
     """
@@ -93,7 +92,7 @@ class Instruments:
 
     @property
     def powers(self) -> dict[str, float]:
-        """Return what each motor is given now."""
+        """Return the present power of each motor."""
         if self._board.now - self._setpoint_s > SETPOINT_S:
             return {}
         setpoint = self._setpoint

@@ -1,4 +1,4 @@
-"""Where trials begin: anywhere in the room where the robot can stand and turn."""
+"""The start places of trials: anywhere in the room where the robot can stand and turn."""
 
 from math import pi
 from random import Random
@@ -17,7 +17,7 @@ MOST_TRIES = 200
 
 
 def starts(world: WorldSettings, count: int, seed: int) -> list[StartPose]:
-    """Return where the robot begins: where its world puts it, then anywhere."""
+    """Return start places: that of the world, then random ones."""
     random, poses = Random(seed), [world.start]
     across, along = _extent(world)
     for _ in range(MOST_TRIES * count):
@@ -30,7 +30,7 @@ def starts(world: WorldSettings, count: int, seed: int) -> list[StartPose]:
 
 
 def free(world: WorldSettings, start: StartPose) -> bool:
-    """Return whether the robot can stand there, and turn there without touching anything, its dock neither."""
+    """Return whether the robot can stand and turn there without touching anything, including its dock."""
     engine = Engine(replace(world, start=start))
     for _ in range(TURN_STEPS):
         engine.step(-TURN_POWER, TURN_POWER, STEP_S)
@@ -40,7 +40,7 @@ def free(world: WorldSettings, start: StartPose) -> bool:
 
 
 def _extent(world: WorldSettings) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return from where to where its walls stand."""
+    """Return the extent of the walls."""
     if world.walls == ROOM:
         return FURNISHED_X_M, FURNISHED_Y_M
     solid = [wall for wall in world.walls if wall.solid]

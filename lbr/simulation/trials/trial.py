@@ -1,4 +1,4 @@
-"""One trial of a table: a robot somewhere in its world, from the table's begin to its end and a little after."""
+"""One trial of a table: a robot somewhere in its world, from the table's beginning to a little after its end."""
 
 from abc import ABC, abstractmethod
 from collections import deque
@@ -29,28 +29,26 @@ from lbr.simulation.trials.faults import NONE, Faults
 from lbr.simulation.trials.instruments import Instruments
 
 AS_THEY_ARE = frozenset({"drive", "beacon", "behaviour", "battery", "odometry"})
-"""Kinds that run here as they are; what others would tell, instruments tell, or nothing does."""
+"""Kinds that run here unchanged; instruments publish in place of the others, or nothing does."""
 RUNS, WORLD, HUMANOID = "behaviour", "world", "humanoid_world"
 Begins = Literal["standing", "fallen"]
 BY = "trial"
 WARM_S, LAST_S = 2.0, 2.0
-"""Before the table begins all streams are there; after its end the robot is looked on for a while, and stands by
-then."""
+"""All streams are present before the table begins; after its end the robot is watched for a while, and must stand."""
 NOISY = Ultrasonic(noise_m=0.01, noise_per_m=0.01, dropout=0.01)
 COMPASS_DEG = 20.0
 WALKING_MPS = 1.4
 STANDS_MPS, STANDS_RPS = 0.02, 0.05
 STUCK_S, STUCK_M, STUCK_TRANSITIONS = 45.0, 0.3, 6
-"""A robot that decides again and again, and stays where it is for so long, is stuck. One that waits is not, also if it
-decided a lot just before."""
+"""A robot that changes its state repeatedly without moving for so long is stuck. One that waits is not, even after many
+changes."""
 LOOK_S = 1.0
 
 
 class Setup(Struct, frozen=True, kw_only=True):
-    """The common part of all trials of a table: the robot's processes as its rows plan them, its world, and the table's
-    name.
+    """The common part of all trials of a table: the robot's planned processes, its world, and the table's name.
 
-    `humanoid` is the world of one that walks, which `begins` so.
+    `humanoid` is a humanoid's world, which `begins` so.
     """
 
     robot: str
@@ -68,16 +66,16 @@ class Setup(Struct, frozen=True, kw_only=True):
 
 
 def rows_of(unit: ProcessConfig) -> Callable[[type[Row]], tuple[Any, ...]]:
-    """Return what returns the rows of a table, of those that a process gets."""
+    """Return a function for the rows of a table in a process's document."""
     return lambda row: tuple(msgspec.json.decode(unit.rows[row.TABLE].rows, type=list[row]))  # type: ignore[valid-type]
 
 
 class Outcome(Struct, frozen=True, kw_only=True):
-    """The end of a trial.
+    """The end of a trial. `good`: by the table's own result, or if it was still under way at the end of its time.
 
-    `good` by the table's own word, or for one that was still under way at the end of its time. `state` and `row` are
-    where the table was. `began` says how a humanoid did, `falls` how often it fell then, `stands` whether it stood at
-    the end. `contact_mps` is how fast the robot came against anything, its dock too. `unsafe` says what must not be.
+    `state` and `row` are the table's last ones. For a humanoid, `began` is its start, `falls` the number of falls, and
+    `stands` whether it stood at the end. `contact_mps` is the greatest speed of a contact with anything, including the
+    dock. `unsafe` lists violations of safety.
     """
 
     number: int
@@ -100,14 +98,14 @@ class Outcome(Struct, frozen=True, kw_only=True):
 
     @property
     def place(self) -> str:
-        """Return where it began, for people."""
+        """Return its start, for people."""
         if self.began:
             return self.began
         return f"{self.start.x_m:.2f} {self.start.y_m:.2f} {degrees(self.start.yaw_rad):.0f} deg"
 
 
 class TableTrial(ABC):
-    """A robot on its board whose table is run once; what its world is, a trial of that world says."""
+    """A robot on the stage whose table is run once; subclasses know its world."""
 
     _runs: str
     number: int
@@ -121,7 +119,7 @@ class TableTrial(ABC):
         self.moved_m = 0.0
 
     def _begin(self, kinds: frozenset[str], random: Random) -> dict[str, tuple[ProcessConfig, Kind]]:
-        """Have capabilities of these kinds run as they are, the table's among them; return the others."""
+        """Start the real capabilities of these kinds, with that of the table; return the others."""
         of, others = self._setup.kinds(), {}
         for name, unit in self._setup.units.items():
             if of[name].name not in kinds:
@@ -168,21 +166,21 @@ class TableTrial(ABC):
         return self._outcome(at, took_s, good=bool(at.good), why=heard(at.code, at.reason))
 
     def warm_up(self) -> None:
-        """Let time go by until all streams are there."""
+        """Let time pass until all streams are present."""
         self.rounds(WARM_S)
 
     def _phase(self) -> str:
         return self.state.phase
 
     def rounds(self, seconds: float) -> None:
-        """Let time go by."""
+        """Let time pass."""
         until = self.board.now + seconds
         while self.board.now < until:
             self.round()
 
     @abstractmethod
     def round(self) -> None:
-        """Let one round go by, and watch the robot."""
+        """Let one round pass, and watch the robot."""
 
     def _follow(self, state: BehaviourState) -> None:
         self.state = state
@@ -191,7 +189,7 @@ class TableTrial(ABC):
         return False
 
     def _outcome(self, at: BehaviourState, took_s: float, *, good: bool, why: Reason) -> Outcome:
-        """Return how it ended."""
+        """Return the end of the trial."""
         return Outcome(
             number=self.number,
             start=self.start,
@@ -209,11 +207,11 @@ class TableTrial(ABC):
 
     @abstractmethod
     def _seen(self) -> dict[str, Any]:
-        """Return further parts of the outcome, of this world."""
+        """Return further fields of the outcome, for this world."""
 
 
 class Trial(TableTrial):
-    """A robot at a place with something wrong, by dice that are always the same for a seed and a number."""
+    """A robot at a place with a fault, by random numbers that are the same for a seed and a number."""
 
     def __init__(
         self, setup: Setup, number: int, start: StartPose, *, seed: int = 1, fault: str = "", faults: Faults = NONE
@@ -236,7 +234,7 @@ class Trial(TableTrial):
         self._look_at_s = 0.0
 
     def round(self) -> None:
-        """Let one round go by, and watch the robot."""
+        """Let one round pass, and watch the robot."""
         self.board.round()
         self.instruments.round()
         pose = self.instruments.pose
@@ -267,7 +265,7 @@ class Trial(TableTrial):
 
 
 def _unsafe(pose: WorldPose, contact_mps: float) -> list[str]:
-    """Return what is not safe about how a trial ended."""
+    """Return the violations of safety at the end of a trial."""
     wrong = [] if abs(pose.speed_mps) < STANDS_MPS and abs(pose.turn_rps) < STANDS_RPS else ["it moves on"]
     if contact_mps > WALKING_MPS:
         wrong.append(f"it came against something at {contact_mps:.1f} m/s")

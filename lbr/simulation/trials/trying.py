@@ -1,4 +1,4 @@
-"""Many trials of a table, several at a time, each in a process that has no robot."""
+"""Many trials of a table, several at a time, each in a process without a robot."""
 
 import os
 from collections.abc import Iterator, Sequence
@@ -16,7 +16,7 @@ _setup: list[Setup] = []
 
 
 def tried(setup: Setup, trials: Sequence[tuple[int, str]], *, seed: int, jobs: int = 0) -> Iterator[Outcome]:
-    """Yield how each trial ended, given its number and its fault (empty: none), as it ends."""
+    """Yield the outcome of each trial as it ends, given its number and its fault (empty: none)."""
     jobs = min(jobs or os.cpu_count() or 1, len(trials))
     if jobs <= 1:
         _begin(msgspec.json.encode(setup))
@@ -34,7 +34,7 @@ def tried(setup: Setup, trials: Sequence[tuple[int, str]], *, seed: int, jobs: i
 
 
 def made(setup: Setup, number: int, fault: str, seed: int) -> TableTrial:
-    """Return a trial: number 0 begins where the world puts the robot, the others anywhere."""
+    """Return a trial: number 0 begins at the world's start, the others anywhere."""
     faults = EVERY[fault] if fault else NONE
     if setup.humanoid is not None:
         return HumanoidTrial(setup, number, seed=seed, fault=fault, faults=faults)

@@ -1,4 +1,4 @@
-"""Emulated devices in the world: each a pure device on a port, wired to what the engine moves and senses."""
+"""Emulated devices in the world: each a pure device on a port, connected to the engine's motion and measurements."""
 
 from lbr.simulation.twins.base import Feeling, MotorDrive, PowerSwitch, ServoBus, Surroundings, Twin, WheelDrive, make
 

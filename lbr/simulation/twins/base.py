@@ -1,4 +1,4 @@
-"""The common part of all emulated devices on ports; a package of your own builds its twins with this, too."""
+"""The common part of all emulated devices on ports; your own packages build their twins with this, too."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -22,11 +22,11 @@ F = TypeVar("F", bound=Faults)
 
 
 class Port(Protocol):
-    """Where a device is plugged in."""
+    """The place where a device is plugged in."""
 
     @property
     def plugged(self) -> bool:
-        """Return whether it is."""
+        """Return whether it is plugged in."""
 
     def fileno(self) -> int:
         """Return the descriptor to select on."""
@@ -43,9 +43,9 @@ P = TypeVar("P", bound=Port)
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """The parts for building a twin: seed and time of the world, the trace of the wheels' outputs, its cameras if any.
+    """The parts for a twin: seed and time of the world, the trace of the wheels' outputs, its cameras if any.
 
-    `sensors` are where the robot has sensors of distance.
+    `sensors` are the robot's sensors of distance.
     """
 
     seed: int
@@ -61,7 +61,7 @@ class Surroundings:
 
 
 class Twin(Protocol):
-    """An emulated device on its port. `fault` is asked from another thread than the rest."""
+    """An emulated device on its port. `fault` is called from another thread than the rest."""
 
     name: str
 
@@ -69,16 +69,16 @@ class Twin(Protocol):
         """Set a fault and return them all; InputError names the allowed ones."""
 
     def watched(self) -> int | None:
-        """Return the descriptor whose bytes it will take; None: none now."""
+        """Return the descriptor whose bytes it reads next; None without one."""
 
     def service(self, now: float) -> None:
         """Do all that is due: the cable, bytes in, bytes out."""
 
     def next_due(self) -> float | None:
-        """Return when it next has something to do by itself."""
+        """Return when it next acts by itself."""
 
     def sense(self, sensed: Sensed) -> None:
-        """Take in what the world lets it measure."""
+        """Set its measurements from the world."""
 
     def close(self) -> None:
         """Pull it out."""
@@ -89,21 +89,21 @@ class Feeling(Protocol):
     """A twin that receives its motion at every step of the world."""
 
     def feel(self, reading: ImuReading, now: float) -> None:
-        """Take in what an inertial unit measures now."""
+        """Set the present measurement of an inertial unit."""
 
 
 @runtime_checkable
 class ServoBus(Protocol):
-    """A twin whose servos move the joints of a body; asked and told at every step of the world, by the servos' ids.
+    """A twin whose servos move the joints of a body; called at every step of the world, by the servos' ids.
 
     A servo's answer is the same object until one of its registers has changed.
     """
 
     def drives(self, now: float) -> Mapping[int, ServoDrive]:
-        """Return what each servo's motor does now; a servo without supply is limp."""
+        """Return each servo's motor state; a servo without power is limp."""
 
     def feel_servos(self, felt: Mapping[int, ServoFelt], supply_v: float, now: float) -> None:
-        """Take in where the world has the servos, and the voltage of their supply."""
+        """Set the servos' angles in the world, and the voltage of their supply."""
 
 
 @runtime_checkable
@@ -116,7 +116,7 @@ class WheelDrive(Protocol):
 
 @runtime_checkable
 class MotorDrive(Protocol):
-    """A twin that turns motors of a robot on wheels, whatever they are called."""
+    """A twin that turns motors of a robot on wheels, whatever their names."""
 
     def motors(self, now: float) -> Mapping[str, float]:
         """Return the power of each of its motors, by their names in rows of `wheel`, forward positive."""
@@ -124,7 +124,7 @@ class MotorDrive(Protocol):
 
 @runtime_checkable
 class PowerSwitch(Protocol):
-    """A twin that gives the servos their power, or not."""
+    """A twin that switches the servos' power."""
 
     @property
     def motors_on(self) -> bool:
@@ -132,7 +132,7 @@ class PowerSwitch(Protocol):
 
 
 class PortTwin(Generic[P, F]):
-    """A twin's port and its faults, which are set by one thread and taken over by the world's at its next round."""
+    """A twin's port and its faults, which one thread sets and the world's thread applies at its next round."""
 
     def __init__(self, name: str, port: P, faults: F) -> None:
         self.name = name
@@ -145,14 +145,14 @@ class PortTwin(Generic[P, F]):
         return msgspec.structs.asdict(self._faults)
 
     def watched(self) -> int | None:
-        """Return the descriptor whose bytes it will take; None: none now."""
+        """Return the descriptor whose bytes it reads next; None without one."""
         return self.port.fileno() if self.port.plugged else None
 
     def next_due(self) -> float | None:
-        """Return when it next has something to do by itself: never, unless a twin overrides this."""
+        """Return when it next acts by itself: never, unless a twin overrides this."""
 
     def sense(self, sensed: Sensed) -> None:
-        """Take in what the world lets it measure: nothing, unless a twin overrides this."""
+        """Set its measurements from the world: none, unless a twin overrides this."""
 
     def close(self) -> None:
         """Pull it out."""
@@ -160,7 +160,7 @@ class PortTwin(Generic[P, F]):
 
 
 def plug(port: Port, *, present: bool) -> bool:
-    """Plug or unplug as need be; say whether it was plugged in."""
+    """Plug or unplug as needed; return whether it was plugged in."""
     if present == port.plugged:
         return False
     if present:
@@ -171,7 +171,7 @@ def plug(port: Port, *, present: bool) -> bool:
 
 
 def make(device: Device, around: Surroundings) -> Twin:
-    """Return the twin of a device row; raise InputError for its row, and TwinError for the package that brings it."""
+    """Return the twin of a device row; raise InputError for its row, and TwinError for its package."""
     declared = twins.find(device.type)
     if declared is None:
         raise InputError(
@@ -183,7 +183,7 @@ def make(device: Device, around: Surroundings) -> Twin:
 
 
 def row(device: Device, kind: type[S]) -> S:
-    """Return what a device's row sets; raise InputError naming the device."""
+    """Return a device's settings; raise InputError with the device's name."""
     try:
         return msgspec.convert(device.settings, kind)
     except msgspec.ValidationError as err:

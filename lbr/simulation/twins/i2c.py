@@ -1,4 +1,4 @@
-"""The common part of emulated devices on an i2c bus of their own: a socket, transactions, and a bus that fails."""
+"""The common part of emulated devices on an i2c bus of their own: a socket, transactions, and bus faults."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ F = TypeVar("F", bound=I2cFaults)
 
 
 class I2cTwin(PortTwin[SocketPort, F], ABC):
-    """Serves one transaction after another, for several clients as a bus does; takes no time for them."""
+    """Serves one transaction after another, for several clients as a bus does; transactions take no time."""
 
     def __init__(self, name: str, address: str, faults: F, seed: int) -> None:
         super().__init__(name, SocketPort(address), faults)
@@ -24,14 +24,14 @@ class I2cTwin(PortTwin[SocketPort, F], ABC):
 
     @abstractmethod
     def take_over(self) -> None:
-        """Give the device the faults that are set now."""
+        """Pass the present faults to the device."""
 
     @abstractmethod
     def devices(self) -> Mapping[int, I2cDevice]:
-        """Return what answers on the bus, for one transaction."""
+        """Return the devices on the bus, for one transaction."""
 
     def service(self, now: float) -> None:
-        """Do all that is due: the cable, and every transaction that came."""
+        """Do all that is due: the cable, and every received transaction."""
         self.take_over()
         if plug(self.port, present=not self._faults.unplug):
             self._requests.clear()
@@ -52,7 +52,7 @@ class I2cTwin(PortTwin[SocketPort, F], ABC):
         for messages in transactions:
             answer = self._answer(messages, now)
             if self.port.send(client, answer) < len(answer):
-                self.port.drop(client)  # it reads nothing: the answers could not be told apart any more
+                self.port.drop(client)  # it reads nothing: the answers could no longer be separated
 
     def _answer(self, messages: tuple[Message, ...], now: float) -> bytes:
         faults = self._faults

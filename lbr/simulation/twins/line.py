@@ -1,4 +1,4 @@
-"""The twin of a device on a serial line: input to it, output from it, while its cable is in."""
+"""The twin of a device on a serial line: input to it, output from it, while its cable is plugged in."""
 
 from typing import Protocol, TypeVar
 
@@ -16,10 +16,10 @@ class Emulated(Protocol[F]):
     faults: F
 
     def poll(self, now: float) -> bytes:
-        """Return what has crossed the line to the host so far."""
+        """Return the bytes that have crossed the line to the host so far."""
 
     def next_due(self) -> float | None:
-        """Return when it next has something to do by itself."""
+        """Return when it next acts by itself."""
 
 
 class LineTwin(PortTwin[PtyPort, F]):
@@ -31,11 +31,11 @@ class LineTwin(PortTwin[PtyPort, F]):
 
     @property
     def reads(self) -> bool:
-        """Return whether it takes its bytes: not with the fault `stop_reading`."""
+        """Return whether it reads its input: not with the fault `stop_reading`."""
         return not getattr(self._faults, "stop_reading", False)
 
     def watched(self) -> int | None:
-        """Return the descriptor whose bytes it will take; None: none now."""
+        """Return the descriptor whose bytes it reads next; None without one."""
         return super().watched() if self.reads else None
 
     def service(self, now: float) -> None:
@@ -50,7 +50,7 @@ class LineTwin(PortTwin[PtyPort, F]):
             self.say(answer, now)
 
     def next_due(self) -> float | None:
-        """Return when it next has something to do by itself."""
+        """Return when it next acts by itself."""
         return self._emulated.next_due()
 
     def present(self, now: float) -> bool:  # noqa: ARG002
@@ -58,12 +58,12 @@ class LineTwin(PortTwin[PtyPort, F]):
         return not self._faults.unplug
 
     def cable(self, now: float) -> None:
-        """Follow a cable that was put in or pulled out just now; most devices do not notice."""
+        """Note that the cable was just plugged in or pulled out; most devices do not notice."""
 
     def hear(self, data: bytes, now: float) -> bytes:  # noqa: ARG002
-        """Take bytes, if any came; return what has crossed the line back."""
+        """Receive bytes, if any; return the bytes that have crossed the line back."""
         return self._emulated.poll(now)
 
     def say(self, data: bytes, now: float) -> None:  # noqa: ARG002
-        """Put bytes on the line."""
+        """Send bytes on the line."""
         self.port.write(data)

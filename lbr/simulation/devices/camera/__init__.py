@@ -1,4 +1,4 @@
-"""The emulated camera: what its device rows may set, what can go wrong with it, and which twin it has."""
+"""The emulated camera: the settings of its device rows, its faults, and its twin."""
 
 from msgspec import Struct
 

@@ -1,4 +1,4 @@
-"""An emulated camera: a socket, whose clients are handed to the process that draws."""
+"""An emulated camera: a socket whose clients are passed to the drawing process."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 
 
 class CameraTwin(PortTwin[SocketPort, CameraFaults]):
-    """Shows what is seen from one of the robot's mounts."""
+    """Shows the view from one of the robot's mounts."""
 
     def __init__(self, device: Device, around: Surroundings) -> None:
         settings = row(device, CameraRow)
@@ -24,7 +24,7 @@ class CameraTwin(PortTwin[SocketPort, CameraFaults]):
             self._cameras.set_faults(device.name, settings.faults)
 
     def fault(self, name: str, value: FaultValue) -> dict[str, Any]:
-        """Set a fault and return them all; raise InputError saying what is allowed."""
+        """Set a fault and return them all; raise InputError with the permitted ones."""
         faults = super().fault(name, value)
         self._cameras.set_faults(self.name, self._faults)
         return faults
@@ -39,7 +39,7 @@ class CameraTwin(PortTwin[SocketPort, CameraFaults]):
 
 
 def _mount(device: Device, wanted: str, mounts: tuple[str, ...]) -> str:
-    """Return where a camera sits: where its row says, or where its name ends, or at the first of the mounts."""
+    """Return the mount of a camera: by its row, by the end of its name, or the first one."""
     if wanted and wanted not in mounts:
         known = ", ".join(mounts) or "none"
         raise InputError(f"device '{device.name}' ({device.type}): mount '{wanted}': the world's cameras are: {known}")

@@ -1,4 +1,4 @@
-"""The emulated bus of AX-12A servos: what its device rows may set, what can go wrong with it, and which twin it has."""
+"""The emulated bus of AX-12A servos: the settings of its device rows, its faults, and its twin."""
 
 from typing import Annotated, Literal
 
@@ -10,7 +10,7 @@ from lbr.simulation.faults import Probability, ServoBusFaults
 
 
 class DynamixelFaults(ServoBusFaults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of a bus of AX-12A. Of answers, `stray`: an unasked packet before; `pieces`: with a pause."""
+    """Faults of a bus of AX-12A. Of answers, `stray`: an unrequested packet before; `pieces`: with a pause."""
 
     stray: Probability = 0.0
     pieces: Probability = 0.0

@@ -1,7 +1,7 @@
 """The line that emulated servos share: half-duplex, one host, and every packet in its own time.
 
-Where two talk at once both are lost. A packet takes effect when its last byte is on the line, as far as its answer
-goes; its effect on the servo is computed when it is handed in, a little early.
+If two send at the same time, both packets are lost. The answer to a packet is timed from its last byte on the line. Its
+effect on the servo is computed as soon as the host has sent it, a little early.
 """
 
 from collections.abc import Callable, Iterable
@@ -56,7 +56,7 @@ class DynamixelBus:
 
     @property
     def faults(self) -> DynamixelFaults:
-        """Return what is made to go wrong; setting it takes effect at once."""
+        """Return the faults; setting them takes effect at once."""
         return self._faults
 
     @faults.setter
@@ -81,7 +81,7 @@ class DynamixelBus:
             self.faults = self._faults
 
     def feed(self, data: bytes, now: float, baud: float | None = None) -> bytes:
-        """Take bytes that the host sends at a rate; return what has reached it so far."""
+        """Receive bytes that the host sends at a rate; return the bytes that have reached the host so far."""
         self.baud = baud or self.baud
         answers = self.poll(now)
         begin = max(now + self.timing.usb_us * 0.5e-6, self._host_free)
@@ -97,13 +97,13 @@ class DynamixelBus:
         return answers + self.poll(now)
 
     def poll(self, now: float) -> bytes:
-        """Return what has reached the host so far."""
+        """Return the bytes that have reached the host so far."""
         if self._faults.babbling:
             self._outbox.arrive(self._babble.due(now), now)
         return self._outbox.due(now)
 
     def next_due(self) -> float | None:
-        """Return when something reaches the host next."""
+        """Return when the next bytes reach the host."""
         dues = (self._outbox.next_due(), self._babble.next_at if self._faults.babbling else None)
         return min((at for at in dues if at is not None), default=None)
 
@@ -131,7 +131,7 @@ class DynamixelBus:
             self._answer(*self._ask(instruction, end, on_line=True))
 
     def _ask(self, instruction: Instruction, at: float, *, on_line: bool = False) -> tuple[bytes | None, float]:
-        """Return what servos answer to a packet, and when; it begins `at`, or has been on the line until then."""
+        """Return the servos' answer to a packet, and its time; it begins `at`, or has been on the line until then."""
         if not on_line:
             at += instruction.size * self._byte_s
         replies = []
@@ -171,7 +171,7 @@ class DynamixelBus:
     # Answers.
 
     def _on_line(self, replies: list[bytes], *, twice: bool) -> bytes:
-        """Return what is seen of servos that answer at once: a low level wins."""
+        """Return the bytes of servos that answer at once: a low level wins."""
         seen = replies[0]
         for other in replies[1:]:
             seen = bytes(a & (b << 1 | 1) for a, b in zip(seen, other, strict=False))
@@ -181,7 +181,7 @@ class DynamixelBus:
         return flip_one_bit(seen, self._random) if babbled or strikes(self._faults.bit_flip, self._random) else seen
 
     def _answer(self, reply: bytes | None, at: float) -> None:
-        """Put an answer that is over `at` on its way to the host."""
+        """Send an answer, which is over `at`, to the host."""
         if reply is None:
             return
         self._answered = at
@@ -202,6 +202,6 @@ class DynamixelBus:
         self._outbox.arrive(reply, due)
 
     def _collide(self, now: float) -> None:
-        """Lose what is on the line."""
+        """Drop the bytes on the line."""
         self._outbox.lose_after(now)
         self._answered = 0.0

@@ -7,7 +7,7 @@ from lbr.simulation.devices.dynamixel.packets import BROADCAST, Code, Fault, Ins
 
 NUMBER = 0xFD
 STRAY = status(NUMBER, Fault.RANGE)
-"""The answer of version 05 before it forwards a broadcast that is longer than it likes."""
+"""The answer of version 05 before it forwards a broadcast that is too long for it."""
 
 _MODEL = 0x4201
 _TICK_S = 20e-6
@@ -20,23 +20,23 @@ Ask = Callable[[Instruction, float], tuple[bytes | None, float]]
 
 
 class Usb2Ax:
-    """Its registers, and reading synchronously; times are of the line."""
+    """Its registers and its synchronous reads; times are those of the line."""
 
     def __init__(self, firmware: Literal[4, 5] = 5) -> None:
         self.firmware = firmware
         self._table = bytearray((_MODEL & 0xFF, _MODEL >> 8, firmware, NUMBER, 50, 4, 100))
 
     def held_s(self, size: int) -> float:
-        """Return how long it waits before it sends the end of this many bytes to the host, in case more come."""
+        """Return how long it holds the end of so many bytes back from the host, in case more come."""
         return self._table[_HOLD_OFF] * _TICK_S if size % _USB_PACKET else 0.0
 
     def stray(self, instruction: Instruction) -> bytes:
-        """Return what it says unasked of a packet that it forwards."""
+        """Return its unrequested packet before a packet that it forwards."""
         long = instruction.id == BROADCAST and len(instruction.parameters) + 2 >= _LONG
         return STRAY if long and self.firmware == 5 else b""
 
     def answer(self, instruction: Instruction, at: float, ask: Ask) -> tuple[bytes | None, float]:
-        """Return its answer to a packet for itself that ended `at`, and when; `ask` has a servo answer."""
+        """Return its answer to a packet for itself that ended `at`, and its time; `ask` gets a servo's answer."""
         newer = self.firmware == 5
         parameters = instruction.parameters
         if not instruction.sound:

@@ -16,5 +16,5 @@ def as_position(position_rad: float) -> int:
 
 
 def as_signed(value: float) -> int:
-    """Return a register of speed or load: ten bits of magnitude, and one that says clockwise."""
+    """Return a register of speed or load: ten bits of magnitude, and one for clockwise."""
     return min(1023, round(abs(value))) | (1024 if value < 0 else 0)

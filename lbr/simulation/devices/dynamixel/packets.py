@@ -1,4 +1,4 @@
-"""Dynamixel protocol 1.0 as a servo sees it: instruction packets in, status packets out."""
+"""Dynamixel protocol 1.0 from the servo's side: instruction packets in, status packets out."""
 
 from enum import IntEnum, IntFlag
 from typing import NamedTuple
@@ -54,7 +54,7 @@ class Instruction(NamedTuple):
 
 
 class InstructionReader:
-    """Finds packets in pieces of any size, as a servo does: hunts for a header, and believes the length that
+    """Finds packets in pieces of any size, as a servo does: searches for a header, and trusts the length that
     follows."""
 
     def __init__(self) -> None:
@@ -116,7 +116,7 @@ def status(number: int, error: int, data: bytes = b"") -> bytes:
 
 
 def sound(packet: bytes) -> bool:
-    """Return whether a status packet is whole and its sum is right."""
+    """Return whether a status packet is complete with a right sum."""
     return len(packet) >= 6 and packet[3] + 4 == len(packet) and checksum(packet[2:-1]) == packet[-1]
 
 

@@ -7,7 +7,7 @@ MODEL = 12
 FIRMWARE = 24
 SIZE = 50
 RAM = 24
-"""Below: EEPROM, kept without power."""
+"""Registers below it are EEPROM, kept without power."""
 
 ID, BAUD, RETURN_DELAY, CW_LIMIT, CCW_LIMIT = 3, 4, 5, 6, 8
 HEAT_LIMIT_C, LEAST_VOLTAGE, MOST_VOLTAGE, MOST_TORQUE, RETURN_LEVEL, SHUTDOWN = 11, 12, 13, 14, 16, 18
@@ -16,7 +16,7 @@ PRESENT, VOLTAGE, REGISTERED, MOVING, LOCK, PUNCH = 36, 42, 44, 46, 47, 48
 
 
 class Register(NamedTuple):
-    """A register that may be written, and with what."""
+    """A writable register, with its range."""
 
     address: int
     size: int
@@ -65,7 +65,7 @@ def put_word(table: bytearray, address: int, value: int) -> None:
 
 
 def factory() -> bytearray:
-    """Return the table as it leaves the factory."""
+    """Return the table with the factory's values."""
     table = bytearray(SIZE)
     put_word(table, 0, MODEL)
     table[2] = FIRMWARE
@@ -75,7 +75,7 @@ def factory() -> bytearray:
 
 
 def boot(table: bytearray) -> None:
-    """Put the RAM back to what it is at power-up."""
+    """Reset the RAM to its values at power-up."""
     table[RAM:] = bytes(SIZE - RAM)
     for register in _REGISTERS:
         if register.address >= RAM:
@@ -84,7 +84,7 @@ def boot(table: bytearray) -> None:
 
 
 def touched(address: int, count: int) -> list[Register] | None:
-    """Return the registers that a write touches; None if it touches anything that may not be written."""
+    """Return the registers of a write; None if one of them is read-only."""
     registers, at, end = [], address, address + count
     while at < end:
         index = bisect_right(_STARTS, at) - 1
@@ -97,7 +97,7 @@ def touched(address: int, count: int) -> list[Register] | None:
 
 
 def in_range(table: bytearray, register: Register) -> bool:
-    """Return whether a register holds what it may hold."""
+    """Return whether a register's value is in its range."""
     value = word(table, register.address) if register.size == 2 else table[register.address]
     return register.least <= value <= register.most
 

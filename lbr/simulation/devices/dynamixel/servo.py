@@ -1,9 +1,9 @@
-"""An emulated AX-12A: its control table, its errors, and what its registers make of its motor.
+"""An emulated AX-12A: its control table, its errors, and the control of its motor.
 
-For the gaps of the manual, this servo assumes: EEPROM may be written only without torque; a write that touches a
-register it may not touch, or sets one out of its range, changes nothing and answers the range error; a goal outside the
-angle limits is not taken; overload stays reported until a torque limit is written; with both angle limits 0 (wheel
-mode) it does not turn; switched on, it goes to whatever its goal register holds.
+The manual leaves gaps. This servo assumes: EEPROM may be written only without torque. A write to a read-only register,
+or of a value out of range, changes nothing and answers the range error. A goal outside the angle limits is ignored.
+Overload stays reported until a torque limit is written. With both angle limits 0 (wheel mode) it does not turn. When
+torque is switched on, it goes to the value of its goal register.
 """
 
 from collections.abc import Callable, Mapping
@@ -18,7 +18,7 @@ from lbr.simulation.turning import moved
 Act = Callable[[Instruction, float], bytes | None]
 
 OVERLOAD_S = 2.0
-"""The time that it bears its full torque."""
+"""The time for which it bears its full torque."""
 
 _LEVELS: Mapping[int, int] = {Code.PING: 0, Code.READ: 1}
 _FULL = 1023.0
@@ -29,7 +29,7 @@ _WARMING_S = 300.0
 
 
 class AxServo:
-    """A servo from power-up on, in its own radians; a world moves it by `feel`, else it turns by itself."""
+    """A servo from power-up on, in its own radians; a world moves it by `feel`, otherwise it turns by itself."""
 
     def __init__(
         self,
@@ -72,26 +72,26 @@ class AxServo:
 
     @property
     def id(self) -> int:
-        """Its number on the bus."""
+        """Return its number on the bus."""
         return self._table[reg.ID]
 
     @property
     def baud(self) -> float:
-        """The line's rate at which it listens."""
+        """Return the rate of the line at which it listens."""
         return 2e6 / (self._table[reg.BAUD] + 1)
 
     @property
     def return_delay_s(self) -> float:
-        """Return what its register says."""
+        """Return the delay in its register."""
         return self._table[reg.RETURN_DELAY] * 2e-6
 
     @property
     def powered(self) -> bool:
-        """Return whether it has a supply."""
+        """Return whether it has power."""
         return self._powered
 
     def power(self, *, on: bool) -> None:
-        """Give or take its supply; all but the EEPROM is forgotten without."""
+        """Switch its supply; without it, only the EEPROM keeps its values."""
         if on and not self._powered:
             reg.boot(self._table)
             reg.put_word(self._table, reg.GOAL, as_position(self.felt.position_rad))
@@ -107,13 +107,13 @@ class AxServo:
         self._protect()
 
     def drive(self) -> ServoDrive:
-        """Return what its registers make of its motor; the same object until one of them changed."""
+        """Return the motor's state by the registers; the same object until one of them changes."""
         if self._drive is None:
             self._drive = self._meant()
         return self._drive
 
     def feel(self, felt: ServoFelt, supply_v: float, now: float) -> None:
-        """Take in where the world has it; from then on it does not turn by itself."""
+        """Set the angle at which the world has it; from then on it does not turn by itself."""
         dt_s = now - self._at if not self._by_itself else 0.0
         self._by_itself = False
         self.supply_v = supply_v
@@ -126,7 +126,7 @@ class AxServo:
             self._take(moved(self.drive(), self.felt, dt_s, NO_LOAD_RPS), dt_s, now)
 
     def execute(self, instruction: Instruction, now: float) -> bytes | None:
-        """Do what a packet that it heard says; return its answer, None for none."""
+        """Carry out a packet; return its answer, None without one."""
         self.advance(now)
         if instruction.size > RECEIVE_BYTES:
             return None
@@ -144,7 +144,7 @@ class AxServo:
         return status(instruction.id, error | self.errors(), data)
 
     def errors(self) -> Fault:
-        """Return the faults of now."""
+        """Return the present faults."""
         tenths = round(self.supply_v * 10)
         faults = Fault.NONE
         if not self._table[reg.LEAST_VOLTAGE] <= tenths <= self._table[reg.MOST_VOLTAGE]:
@@ -170,7 +170,7 @@ class AxServo:
         return self._answer(instruction, Fault.NONE, bytes(self._table[start : start + count]))
 
     def measure(self) -> None:
-        """Bring the registers of what it measures up to date."""
+        """Update the registers of its measurements."""
         table, felt, drive = self._table, self.felt, self.drive()
         reg.put_word(table, reg.PRESENT, as_position(felt.position_rad))
         reg.put_word(table, reg.PRESENT + 2, as_signed(felt.speed_rps / SPEED_RPS))
@@ -292,5 +292,5 @@ class AxServo:
 
 
 def _slope(register: int) -> int:
-    """Return the step that a compliance slope acts in: 2, 4, 8 to 128, rounded down."""
+    """Return the effective step of a compliance slope: 2, 4, 8 to 128, rounded down."""
     return min(128, max(2, 1 << (register.bit_length() - 1)))

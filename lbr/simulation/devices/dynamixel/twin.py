@@ -14,11 +14,11 @@ from lbr.simulation.twins.base import Surroundings, row
 from lbr.simulation.twins.line import LineTwin
 
 LEAST_SUPPLY_V = 5.0
-"""Below that a servo's processor is out; what it complains of begins higher."""
+"""Below this voltage, a servo's processor is off; its error bits begin higher."""
 
 
 class DynamixelTwin(LineTwin[DynamixelFaults]):
-    """Moves a body's joints, and measures them; without a body its servos turn by themselves, carrying nothing."""
+    """Moves a body's joints, and measures them; without a body its servos turn by themselves, without load."""
 
     def __init__(self, device: Device, around: Surroundings, on_instruction: OnInstruction | None = None) -> None:
         settings = row(device, DynamixelRow)
@@ -34,15 +34,15 @@ class DynamixelTwin(LineTwin[DynamixelFaults]):
         super().__init__(device, settings.faults, self.bus)
 
     def hear(self, data: bytes, now: float) -> bytes:
-        """Take bytes at the rate that the host has set; return what has crossed the line back."""
+        """Receive bytes at the host's rate; return the bytes that have crossed the line back."""
         return self.bus.feed(data, now, self.port.baud()) if data else self.bus.poll(now)
 
     def drives(self, _now: float) -> Mapping[int, ServoDrive]:
-        """Return what each servo's motor does now; a servo without supply is limp."""
+        """Return each servo's motor state; a servo without power is limp."""
         return {servo.id: servo.drive() for servo in self.bus.servos}
 
     def feel_servos(self, felt: Mapping[int, ServoFelt], supply_v: float, now: float) -> None:
-        """Take in where the world has the servos, and the voltage of their supply."""
+        """Set the servos' angles in the world, and the voltage of their supply."""
         self.bus.supplied = supply_v >= LEAST_SUPPLY_V
         for servo in self.bus.servos:
             if servo.id in felt:

@@ -1,5 +1,4 @@
-"""The emulated gamepad: what a hand does to it, which is set as the faults of other devices are, and which twin it
-has."""
+"""The emulated gamepad: its input, which is set like the faults of other devices, and its twin."""
 
 from typing import Annotated, Literal
 

@@ -1,6 +1,6 @@
-"""An emulated gamepad: the records that Linux makes of a common one, with two sticks and two triggers. No I/O.
+"""An emulated gamepad: Linux's records of a common one, with two sticks and two triggers. No I/O.
 
-Codes and directions are those of Linux's gamepad specification; sticks are of 16 bits, triggers of 8, as xpad has them.
+Codes and directions are those of Linux's gamepad specification; sticks have 16 bits, triggers 8, as with xpad.
 """
 
 import struct
@@ -22,11 +22,11 @@ AXES = {
     "left_x": (0x00, STICK), "left_y": (0x01, -STICK), "right_x": (0x03, STICK), "right_y": (0x04, -STICK),
     "left_trigger": (0x02, 255), "right_trigger": (0x05, 255), "dpad_x": (0x10, 1), "dpad_y": (0x11, -1),
 }  # fmt: skip
-"""The code of each axis, and its value where it is pushed all the way to the right or up."""
+"""The code of each axis, and its value when it is fully pushed to the right or up."""
 
 
 class EmulatedGamepad:
-    """A gamepad, and what a hand does to it: what changes is told at once, in one packet."""
+    """A gamepad and its input: each change is reported at once, in one packet."""
 
     def __init__(self, hand: GamepadFaults | None = None, *, seed: int = 0) -> None:
         self.hand = hand or GamepadFaults()
@@ -34,11 +34,11 @@ class EmulatedGamepad:
         self._random = Random(seed)
 
     def plugged(self) -> None:
-        """Begin anew: whoever opens it takes it to be at rest."""
+        """Begin anew: a program that opens it assumes that it is at rest."""
         self._sent = {}
 
     def poll(self, now: float) -> bytes:
-        """Return the packet that tells what has changed; nothing if nothing has, or it is out of range."""
+        """Return the packet with the changes; empty without any, or out of range."""
         if self.hand.silent:
             return b""
         values = self._values()

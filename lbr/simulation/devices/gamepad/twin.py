@@ -12,7 +12,7 @@ from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 
 
 class GamepadTwin(PortTwin[PtyPort, GamepadFaults]):
-    """Says all that a hand does to it, one thing after the other."""
+    """Sends all changes of its input, one after the other."""
 
     def __init__(self, device: Device, around: Surroundings) -> None:
         settings = row(device, GamepadRow)
@@ -21,7 +21,7 @@ class GamepadTwin(PortTwin[PtyPort, GamepadFaults]):
         self._hands = deque([settings.faults])
 
     def fault(self, name: str, value: FaultValue) -> dict[str, Any]:
-        """Set what is done to it, and return all of it; nothing is left out however quickly the next follows."""
+        """Change its input, and return all of it; quick changes are not merged."""
         told = super().fault(name, value)
         self._hands.append(self._faults)
         return told

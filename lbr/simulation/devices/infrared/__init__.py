@@ -1,4 +1,4 @@
-"""The emulated infrared receiver: what its device rows may set, what can go wrong with it, and which twin it has."""
+"""The emulated infrared receiver: the settings of its device rows, its faults, and its twin."""
 
 from typing import Annotated
 
@@ -27,7 +27,7 @@ class InfraredFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
 
 class BeamCodes(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The scancode that the dock sends on each beam, as a number or in hexadecimal; null: it has no such beam."""
+    """The scancode of each beam of the dock, as a number or in hexadecimal; null: there is no such beam."""
 
     left: Scancode | None = "0x400021"
     right: Scancode | None = "0x400022"

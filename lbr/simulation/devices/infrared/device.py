@@ -1,6 +1,6 @@
-"""An emulated infrared receiver that sees a dock's beams: the kernel's own records, no I/O.
+"""An emulated infrared receiver that sees a dock's beams: the kernel's records, no I/O.
 
-Each beam is a remote control's key held down: a code every 110 ms while it is seen; the beams take turns.
+Each beam is like a held key of a remote control: a code every 110 ms while it is visible. The beams take turns.
 """
 
 import struct
@@ -21,7 +21,7 @@ _STRAY_CODE = 0x0F1F
 
 
 class InfraredReceiver:
-    """A receiver and what it makes of `beams`, the ones that shine into it."""
+    """A receiver and the visible `beams`."""
 
     def __init__(
         self, codes: Mapping[Beam, int], *, protocol: int, faults: InfraredFaults | None = None, seed: int = 0

@@ -9,7 +9,7 @@ from lbr.simulation.twins.line import LineTwin
 
 
 class InfraredTwin(LineTwin[InfraredFaults]):
-    """Says which of the dock's beams it sees."""
+    """Sends the codes of the visible beams of the dock."""
 
     def __init__(self, device: Device, around: Surroundings) -> None:
         settings = row(device, InfraredRow)
@@ -22,5 +22,5 @@ class InfraredTwin(LineTwin[InfraredFaults]):
         super().__init__(device, settings.faults, self._receiver)
 
     def sense(self, sensed: Sensed) -> None:
-        """See what shines."""
+        """Set the visible beams."""
         self._receiver.beams = sensed.beams

@@ -1,4 +1,4 @@
-"""The emulated LD06 lidar: what its device rows may set, what can go wrong with it, and which twin it has."""
+"""The emulated LD06 lidar: the settings of its device rows, its faults, and its twin."""
 
 from msgspec import Struct
 
@@ -19,7 +19,7 @@ class Ld06Faults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Ld06Row(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Which row of `range_sensor` says where the lidar is."""
+    """The row of `range_sensor` with the place of the lidar."""
 
     faults: Ld06Faults = Ld06Faults()
     sensor: Name = "lidar"

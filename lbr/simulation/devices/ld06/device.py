@@ -1,6 +1,6 @@
 """The emulated LD06: a mirror that turns clockwise ten times a second, and 4500 distances a second in packets; no I/O.
 
-After public programs that read one; not compared with a device.
+It follows public programs that read one; it was not compared with a device.
 """
 
 from collections.abc import Callable
@@ -11,15 +11,14 @@ from lbr.simulation.devices.ld06 import Ld06Faults
 from lbr.simulation.wire import flip_one_bit, noise
 
 Face = Callable[[float], float | None]
-"""Returns the distance in metres along an angle, anticlockwise from the lidar's zero in radians; None: nothing comes
-back."""
+"""Returns the distance in metres along an angle, anticlockwise from the lidar's zero in radians; None: no echo."""
 
 _POINTS, _POINTS_PER_S, _STEP_CDEG, _SPEED_DPS = 12, 4500, 80, 3600
 _PACKET_S = _POINTS / _POINTS_PER_S
 _BURST = 4
-"""The packets that are handed over at once: a host that is woken for each of 375 a second does little else."""
+"""The number of packets that are sent together: a host that wakes for each of 375 a second does little else."""
 _LATEST_S = 0.1
-"""Older output than this is lost: it was not read meanwhile."""
+"""Older output is lost, as nobody read it in time."""
 _STARTUP_S = 0.5
 _CONFIDENCE = 200
 _NOTHING_MM = 0
@@ -27,7 +26,7 @@ _MOST_MM = 0xFFFF
 
 
 class Ld06:
-    """A lidar from power-up on; it talks by itself, and hears nothing. `face` is what is around it."""
+    """A lidar from power-up on; it sends by itself, and has no input. `face` are its surroundings."""
 
     def __init__(self, *, faults: Ld06Faults | None = None, seed: int = 0, powered_at: float = 0.0) -> None:
         self.faults = faults or Ld06Faults()
@@ -36,7 +35,7 @@ class Ld06:
         self.power_cycle(powered_at)
 
     def power_cycle(self, now: float) -> None:
-        """Restart: the mirror takes half a second to come up to speed."""
+        """Restart: the mirror takes half a second to reach its speed."""
         self._began = self._next_at = now + _STARTUP_S
         self._angle_cdeg = 0
         self._last: dict[int, int] = {}

@@ -13,7 +13,7 @@ from lbr.simulation.twins.line import LineTwin
 
 
 class Ld06Twin(LineTwin[Ld06Faults]):
-    """Reports what is around the place that its row of `range_sensor` says; without that row, nothing."""
+    """Sends the distances around the place in its row of `range_sensor`; without that row, none."""
 
     def __init__(self, device: Device, around: Surroundings) -> None:
         settings = row(device, Ld06Row)
@@ -27,7 +27,7 @@ class Ld06Twin(LineTwin[Ld06Faults]):
             self._lidar.power_cycle(now)
 
     def sense(self, sensed: Sensed) -> None:
-        """Face what the world puts around it."""
+        """Set the surroundings from the world."""
         sensor = self._sensor
         if sensor is not None and sensor.name in sensed.scans_m:
             faced = sensed.scans_m[sensor.name]
@@ -35,6 +35,6 @@ class Ld06Twin(LineTwin[Ld06Faults]):
 
 
 def _along(faced: Sequence[float | None], sensor: RangeSensor, angle_rad: float) -> float | None:
-    """Return what is along an angle, by the nearest ray; nothing where no ray goes."""
+    """Return the distance along an angle, by the nearest ray; None where there is no ray."""
     number = int(((angle_rad - sensor.first_rad + sensor.step_rad / 2) % tau) / sensor.step_rad)
     return faced[number] if number < len(faced) else None

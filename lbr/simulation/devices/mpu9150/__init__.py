@@ -1,5 +1,4 @@
-"""The emulated inertial unit MPU-9150: what its device rows may set, what can go wrong with it, and which twin it
-has."""
+"""The emulated inertial unit MPU-9150: the settings of its device rows, its faults, and its twin."""
 
 from typing import Annotated, Literal
 
@@ -15,7 +14,7 @@ class Mpu9150Faults(I2cFaults, frozen=True, kw_only=True, forbid_unknown_fields=
     """Faults of an MPU-9150: those of its bus, and more.
 
     `jump`: a turn rate is off by 4 rad/s. `noise`: times the usual, added. `no_compass`, `overflow`: the compass is
-    silent, or reports too strong a field. After a `brown_out` it sleeps, unset.
+    silent, or reports too strong a field. After a `brown_out` it sleeps, without its settings.
     """
 
     frozen: bool = False
@@ -26,7 +25,7 @@ class Mpu9150Faults(I2cFaults, frozen=True, kw_only=True, forbid_unknown_fields=
 
 
 class Mpu9150Row(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where an `mpu9150` device row's chip answers (0x69 with AD0 high), and its compass's fuses (ASA of x, y, z)."""
+    """The address of an `mpu9150` device row's chip (0x69 with AD0 high), and its compass's fuses (ASA of x, y, z)."""
 
     faults: Mpu9150Faults = Mpu9150Faults()
     i2c_address: Literal[0x68, 0x69] = 0x68

@@ -1,7 +1,7 @@
 """An emulated AK8975 compass, register by register; no I/O.
 
-Where the datasheet leaves room, this device assumes: a mode written while another one runs, or less than 100 us after
-it ended, is ignored; a measurement sees the field of the moment in which it ends.
+The datasheet leaves gaps. This device assumes: a mode written while another one runs, or less than 100 us after its
+end, is ignored. A measurement has the field of the moment in which it ends.
 """
 
 from math import fsum
@@ -15,7 +15,7 @@ MODE_CHANGE_S = 0.0001
 UT_PER_LSB = 0.3
 OVERFLOW_UT = 2400.0
 SENSITIVITY = (176, 178, 166)
-"""ASA values as a typical chip's fuses have them."""
+"""The ASA values in a typical chip's fuses."""
 
 WIA, INFO, ST1, HXL, HZH, ST2, CNTL, ASTC, ASAX, ASAZ = 0x00, 0x01, 0x02, 0x03, 0x08, 0x09, 0x0A, 0x0C, 0x10, 0x12
 
@@ -27,13 +27,13 @@ _TEST_FIELD_UT: Vector = (0.0, 0.0, -180.0)
 
 
 class Ak8975(RegisterDevice):
-    """The compass from power-up on; `field_ut` is what it faces, along its own axes."""
+    """The compass from power-up on; `field_ut` is the field along its own axes."""
 
     def __init__(self, sensitivity: tuple[int, int, int] = SENSITIVITY) -> None:
         super().__init__()
         self.field_ut: Vector = (0.0, 0.0, 0.0)
         self.overflows = False
-        self.held = False  # measures, but always the same
+        self.held = False  # it measures, but always the same
         self._sensitivity = sensitivity
         self.power_up()
 
@@ -49,20 +49,20 @@ class Ak8975(RegisterDevice):
         self._self_test = 0
 
     def start(self, now: float) -> None:
-        """Finish a measurement whose time is over; the chip is off again then."""
+        """Finish a measurement whose time is over; after it, the chip is off."""
         if self._mode in {_SINGLE, _SELF_TEST} and now >= self._ends_at:
             self._measure(_TEST_FIELD_UT if self._mode == _SELF_TEST and self._self_test else self.field_ut)
             self._mode, self._off_since = _OFF, self._ends_at
 
     def store(self, register: int, value: int, now: float) -> None:
-        """Take a mode or the self test's switch; everything else cannot be written."""
+        """Accept a mode or the self test's switch; all other registers are read-only."""
         if register == ASTC:
             self._self_test = value & _SELF
         elif register == CNTL:
             self._switch(value & 0x0F, now)
 
     def fetch(self, register: int, now: float) -> int:  # noqa: ARG002
-        """Give a register; reading the data or ST2 ends `ready`."""
+        """Return a register; reading the data or ST2 ends `ready`."""
         if HXL <= register <= ST2:
             self._ready = False
         if HXL <= register <= HZH:
@@ -73,7 +73,7 @@ class Ak8975(RegisterDevice):
         return {**constants, ASTC: self._self_test}.get(register, 0)
 
     def after(self, register: int) -> int:
-        """Return where the pointer moves: round the registers, or round the fuses."""
+        """Return the next position of the pointer: around the registers, or around the fuses."""
         return {ASTC: WIA, ASAZ: ASAX}.get(register, (register + 1) & 0xFF)
 
     def _switch(self, mode: int, now: float) -> None:
@@ -95,6 +95,6 @@ class Ak8975(RegisterDevice):
 
 
 def _counts(field_ut: float, fuse: int) -> int:
-    """Return what the chip reads, so that count x ((ASA - 128) / 256 + 1) x 0.3 uT is the field again."""
+    """Return the chip's reading, so that count x ((ASA - 128) / 256 + 1) x 0.3 uT is the field again."""
     count = round(field_ut / (UT_PER_LSB * ((fuse - 128) / 256 + 1)))
     return max(-_FULL_SCALE, min(_FULL_SCALE - 1, count))

@@ -1,8 +1,8 @@
 """An emulated MPU-9150, register by register, with its AK8975 behind the bypass; no I/O.
 
-Where the datasheet leaves room, this device assumes: registers cannot be written for 20 ms after a reset; the first
-sample comes 30 ms after waking; its compass loses its state with the supply only. Master mode, FIFO and self test are
-not there: their registers can be written and do nothing.
+The datasheet leaves gaps. This device assumes: registers are read-only for 20 ms after a reset. The first sample comes
+30 ms after waking. Its compass loses its state only with the supply. Master mode, FIFO and self test are missing: their
+registers can be written, without effect.
 """
 
 from collections.abc import Mapping
@@ -33,11 +33,11 @@ _ACCEL_LSB_PER_G = (16384.0, 8192.0, 4096.0, 2048.0)
 _GYRO_LSB_PER_DPS = (131.0, 65.5, 32.8, 16.4)
 _JUMP_RPS = 4.0
 _NOISE = {"gyro_rps": 0.002, "accel_mps2": 0.04, "mag_ut": 0.5}
-"""Standard deviations that the fault `noise` multiplies and adds."""
+"""Standard deviations; the fault `noise` multiplies them."""
 
 
 class Mpu9150(RegisterDevice):
-    """The chip from power-up on: it receives the motion of the world, and gives the newest of its own samples."""
+    """The chip from power-up on: it receives the motion of the world, and returns the newest of its own samples."""
 
     def __init__(
         self, *, faults: Mpu9150Faults | None = None, seed: int = 0, sensitivity: tuple[int, int, int] = SENSITIVITY
@@ -51,7 +51,7 @@ class Mpu9150(RegisterDevice):
 
     @property
     def faults(self) -> Mpu9150Faults:
-        """Return what is made to go wrong; setting it takes effect at once."""
+        """Return the faults; setting them takes effect at once."""
         return self._faults
 
     @faults.setter
@@ -72,7 +72,7 @@ class Mpu9150(RegisterDevice):
         self._sample = -1
 
     def feel(self, reading: ImuReading, now: float) -> None:
-        """Take in what the world lets it feel from now on."""
+        """Set the motion from now on."""
         self.start(now)
         self.compass.start(now)
         self._felt = reading
@@ -80,7 +80,7 @@ class Mpu9150(RegisterDevice):
         self.compass.field_ut = (y, x, -z)
 
     def on_bus(self, address: int) -> Mapping[int, I2cDevice]:
-        """Return what answers on the bus now: the compass only through the bypass."""
+        """Return the devices that now answer on the bus: the compass only through the bypass."""
         if self._faults.brown_out:
             return {}
         through = self._values[INT_PIN_CFG] & _BYPASS and not self._values[USER_CTRL] & _MASTER
@@ -89,7 +89,7 @@ class Mpu9150(RegisterDevice):
         return {address: self, COMPASS_ADDRESS: self.compass}
 
     def start(self, now: float) -> None:
-        """Bring the data registers to the newest sample; until the start condition, for a read stays what it is."""
+        """Update the data registers at the start condition; during a read they do not change."""
         if self._values[PWR_MGMT_1] & _RESET and now >= self._reset_until:
             self._values[PWR_MGMT_1] &= ~_RESET
         if self._values[PWR_MGMT_1] & _SLEEP or now < self._sampling_from:
@@ -102,7 +102,7 @@ class Mpu9150(RegisterDevice):
                 self._values[ACCEL_XOUT_H : ACCEL_XOUT_H + _DATA_BYTES] = self._measured()
 
     def store(self, register: int, value: int, now: float) -> None:
-        """Take a byte, where one can be written."""
+        """Accept a byte, if the register is writable."""
         if register >= _REGISTERS or now < self._reset_until:
             return
         if register == PWR_MGMT_1:
@@ -113,7 +113,7 @@ class Mpu9150(RegisterDevice):
                 self._sampling_from, self._sample = max(now, self._sampling_from), -1
 
     def fetch(self, register: int, now: float) -> int:  # noqa: ARG002
-        """Give a byte; reading INT_STATUS clears it."""
+        """Return a byte; reading INT_STATUS clears it."""
         if register >= _REGISTERS:
             return 0
         value = self._values[register]
@@ -122,7 +122,7 @@ class Mpu9150(RegisterDevice):
         return value
 
     def after(self, register: int) -> int:
-        """Return where the pointer moves; the FIFO's stays."""
+        """Return the next position of the pointer; the FIFO's stays."""
         return register if register == FIFO_R_W else super().after(register)
 
     def _power(self, value: int, now: float) -> None:
@@ -136,7 +136,7 @@ class Mpu9150(RegisterDevice):
         self._values[PWR_MGMT_1] = value
 
     def _rate_hz(self) -> float:
-        """Return how often data are new: 1 kHz with the low-pass on, else 8 kHz, divided."""
+        """Return the rate of new data: 1 kHz with the low-pass on, otherwise 8 kHz, divided."""
         filtered = 1 <= self._values[CONFIG] & 0x07 <= 6
         return (1000.0 if filtered else 8000.0) / (1 + self._values[SMPLRT_DIV])
 

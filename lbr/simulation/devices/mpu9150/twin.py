@@ -12,7 +12,7 @@ from lbr.simulation.twins.i2c import I2cTwin
 
 
 class Mpu9150Twin(I2cTwin[Mpu9150Faults]):
-    """Feels each step of the world."""
+    """Follows each step of the world."""
 
     def __init__(self, device: Device, around: Surroundings) -> None:
         settings = row(device, Mpu9150Row)
@@ -21,14 +21,14 @@ class Mpu9150Twin(I2cTwin[Mpu9150Faults]):
         self._chip = Mpu9150(seed=around.seed_for(device), sensitivity=settings.sensitivity)
 
     def take_over(self) -> None:
-        """Give the chip the faults that are set now."""
+        """Pass the present faults to the chip."""
         if self._chip.faults is not self._faults:
             self._chip.faults = self._faults
 
     def devices(self) -> Mapping[int, I2cDevice]:
-        """Return what answers: the chip, and its compass through the bypass."""
+        """Return the devices on the bus: the chip, and its compass through the bypass."""
         return self._chip.on_bus(self._address)
 
     def feel(self, reading: ImuReading, now: float) -> None:
-        """Take in what it measures now."""
+        """Set its present measurements."""
         self._chip.feel(reading, now)

@@ -1,5 +1,4 @@
-"""The emulated inertial unit PhidgetSpatial: what its device rows may set, what can go wrong with it, and which twin it
-has."""
+"""The emulated inertial unit PhidgetSpatial: the settings of its device rows, its faults, and its twin."""
 
 from typing import Annotated
 
@@ -21,7 +20,7 @@ class PhidgetSpatialFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fie
 
 
 class PhidgetSpatialRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The samples that a `phidget_spatial` device row's unit sends at once."""
+    """The number of samples that a `phidget_spatial` device row's unit sends together."""
 
     faults: PhidgetSpatialFaults = PhidgetSpatialFaults()
     burst: Annotated[int, Meta(ge=1, le=8)] = 2

@@ -1,8 +1,8 @@
-"""An emulated PhidgetSpatial 3/3/3 as Phidgets' library shows it: records of what it measures, by its own clock. Pure.
+"""An emulated PhidgetSpatial 3/3/3 behind Phidgets' library: records of its measurements, by its own clock. Pure.
 
-A record is ten little-endian doubles: acceleration (g; -1 along the axis that points up), turn rate (degrees a second),
-field (gauss) along x, y and z, and the unit's clock (milliseconds). The magnetometer is slower: between two of its
-measurements its numbers are the library's for none.
+A record is ten little-endian doubles: acceleration, turn rate and field along x, y and z, and the unit's clock. Units
+are g (-1 along the axis that points up), degrees a second, gauss and milliseconds. The magnetometer is slower: between
+its measurements it has the library's number for unknown.
 """
 
 import json
@@ -18,15 +18,15 @@ STANDARD_GRAVITY_MPS2 = 9.80665
 MAG_MS = 8
 ZEROING_MS = 2000
 USB_MS = 8
-"""The pace of its packets: samples that are no closer come one by one."""
+"""The interval of its packets: samples at this interval or longer come one by one."""
 _LONGEST_LINE = 200
 _LATEST_MS = 80.0
-"""Later samples are lost: after a halt of the world more of the same feeling would look like a frozen unit."""
+"""Later samples are lost: after a pause of the world, many equal ones would look like a frozen unit."""
 _JUMP_DPS = 400.0
 
 
 class PhidgetSpatial:
-    """The unit: told what it feels, asked for the records that are due. `burst` samples go at once, as over USB."""
+    """The unit: it receives its motion, and returns the records that are due, `burst` samples together, as over USB."""
 
     def __init__(self, *, now: float, burst: int = 2) -> None:
         self.faults = PhidgetSpatialFaults()
@@ -37,7 +37,7 @@ class PhidgetSpatial:
         self.plugged_in()
 
     def plugged_in(self) -> None:
-        """Forget what was set: it is attached again."""
+        """Reset its settings: it is attached again."""
         self._interval_ms = 0
         self._due_ms = inf
         self._frozen = b""
@@ -46,11 +46,11 @@ class PhidgetSpatial:
         self._line = b""
 
     def feel(self, reading: ImuReading) -> None:
-        """Take in what it measures now."""
+        """Set its present measurements."""
         self._felt = reading
 
     def receive(self, data: bytes, now: float) -> None:
-        """Take in orders; other bytes are passed over."""
+        """Receive orders; other bytes are ignored."""
         *lines, rest = (self._line + data).split(b"\n")
         self._line = rest[:_LONGEST_LINE]
         for line in lines:

@@ -9,7 +9,7 @@ from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
 
 
 class PhidgetSpatialTwin(PortTwin[SocketPort, PhidgetSpatialFaults]):
-    """Serves one client, as a cable does: another one takes its place."""
+    """Serves one client, as a cable does: the next one replaces it."""
 
     def __init__(self, device: Device, around: Surroundings) -> None:
         settings = row(device, PhidgetSpatialRow)
@@ -34,12 +34,12 @@ class PhidgetSpatialTwin(PortTwin[SocketPort, PhidgetSpatialFaults]):
             self._unit.receive(data, now)
         records = self._unit.records(now)
         if records and self.port.send(self._client, records) < len(records):
-            self.port.drop(self._client)  # it reads nothing: records could not be told apart any more
+            self.port.drop(self._client)  # it reads nothing: records could no longer be separated
 
     def next_due(self) -> float | None:
-        """Return when the next records are."""
+        """Return when the next records are due."""
         return self._unit.next_due() if self._client in self.port.clients else None
 
     def feel(self, reading: ImuReading, now: float) -> None:  # noqa: ARG002 - its records are dated when they are due
-        """Take in what it measures now."""
+        """Set its present measurements."""
         self._unit.feel(reading)

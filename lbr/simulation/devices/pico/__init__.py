@@ -1,4 +1,4 @@
-"""The emulated supply UPS PIco: what its device rows may set, what can go wrong with it, and which twin it has."""
+"""The emulated supply UPS PIco: the settings of its device rows, its faults, and its twin."""
 
 from typing import Annotated, Literal
 
@@ -26,7 +26,7 @@ class PicoFaults(I2cFaults, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
 
 class PicoRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where a `pico` device row's supply answers, and its own battery.
+    """The address of a `pico` device row's supply, and its own battery.
 
     `relay_on`: the relay's register while the motors have power, as at the beginning.
     """

@@ -1,7 +1,7 @@
 """An emulated UPS PIco, register by register; no I/O. Status answers at its address, commands two above.
 
-Where the manual leaves room, this device assumes: it goes over to its battery below 7 V and back above 7.5 V; a relay
-keeps its state without power, all else starts over; its registers can be read in any length, one after the other.
+The manual leaves gaps. This device assumes: it switches to its battery below 7 V and back above 7.5 V. Without power,
+only the relay keeps its state. Its registers can be read in any length, one after the other.
 """
 
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ _TIMER, _CHEMISTRY, _RELAY = 0x05, 0x07, 0x0C
 
 
 class Pico:
-    """The supply from power-up on; it receives the state of its source. `resets` counts how often it reset its computer."""
+    """The supply from power-up on; it receives the state of its source. `resets` counts the resets of its computer."""
 
     def __init__(self, battery_v: float = FULL_V, temperature_c: int = 33, faults: PicoFaults | None = None) -> None:
         self.external_v = 12.0
@@ -38,7 +38,7 @@ class Pico:
 
     @property
     def faults(self) -> PicoFaults:
-        """Return what is made to go wrong; setting it takes effect at once."""
+        """Return the faults; setting them takes effect at once."""
         return self._faults
 
     @faults.setter
@@ -48,12 +48,12 @@ class Pico:
         self._faults = faults
 
     def power_up(self) -> None:
-        """Forget everything but the relay, which is bistable."""
+        """Reset everything but the relay, which is bistable."""
         self.timer, self.timer_ends = TIMER_OFF, float("inf")
         self._held_counter = None
 
     def on_bus(self, address: int) -> Mapping[int, I2cDevice]:
-        """Return what answers on the bus now, its status at `address`."""
+        """Return the devices that now answer on the bus, with the status at `address`."""
         if self._faults.brown_out:
             return {}
         return {address: self.status, address + COMMANDS_ABOVE: self.commands}
@@ -65,13 +65,13 @@ class Pico:
         self.run(now)
 
     def run(self, now: float) -> None:
-        """Do what time brings: the still-alive timer."""
+        """Advance the still-alive timer."""
         if now >= self.timer_ends:
             self.timer_ends, self.timer = float("inf"), TIMER_OFF
             self.resets += 1
 
     def registers(self, now: float) -> dict[int, int]:
-        """Return the status registers of this instant."""
+        """Return the present status registers."""
         faults = self._faults
         external_v = self.external_v if faults.external_v is None else faults.external_v
         battery_v = self.battery_v if faults.battery_v is None else faults.battery_v
@@ -99,7 +99,7 @@ class Pico:
         return bytes_
 
     def _counter(self, now: float) -> int:
-        """Return the counter of milliseconds, which a hung processor leaves as it was."""
+        """Return the counter of milliseconds, which stops while the processor hangs."""
         counter = int(now * 1000) & 0xFFFF
         self._held_counter = (
             (self._held_counter if self._held_counter is not None else counter) if self._faults.hung else None
@@ -108,7 +108,7 @@ class Pico:
 
 
 class _Status(RegisterDevice):
-    """The registers at the lower address, to be read only."""
+    """The registers at the lower address, which are read-only."""
 
     def __init__(self, pico: Pico) -> None:
         super().__init__()
@@ -120,7 +120,7 @@ class _Status(RegisterDevice):
         self._now = self._pico.registers(now)
 
     def store(self, register: int, value: int, now: float) -> None:
-        """Nothing here can be written."""
+        """Ignore the byte: these registers are read-only."""
 
     def fetch(self, register: int, now: float) -> int:  # noqa: ARG002
         return self._now.get(register, 0)

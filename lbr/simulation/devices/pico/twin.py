@@ -28,14 +28,14 @@ class PicoTwin(I2cTwin[PicoFaults]):
         return self._supply.relay == self._relay_on
 
     def sense(self, sensed: Sensed) -> None:
-        """Take in the voltage that feeds it."""
+        """Set the voltage that feeds it."""
         self._supply.external_v = sensed.battery_v
 
     def take_over(self) -> None:
-        """Give the supply the faults that are set now."""
+        """Pass the present faults to the supply."""
         if self._supply.faults is not self._faults:
             self._supply.faults = self._faults
 
     def devices(self) -> Mapping[int, I2cDevice]:
-        """Return what answers: status and commands."""
+        """Return the devices on the bus: status and commands."""
         return self._supply.on_bus(self._address)

@@ -1,5 +1,4 @@
-"""The emulated inertial unit RIOX-1216AHRS: what its device rows may set, what can go wrong with it, and which twin it
-has."""
+"""The emulated inertial unit RIOX-1216AHRS: the settings of its device rows, its faults, and its twin."""
 
 from typing import Annotated
 
@@ -21,7 +20,7 @@ class RioxFaults(LineFaults, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
 
 class RioxRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The counts of a `riox` device row's unit; `echo`: it repeats its input, until told otherwise."""
+    """The counts of a `riox` device row's unit; `echo`: it repeats its input, until a command ends that."""
 
     faults: RioxFaults = RioxFaults()
     echo: bool = True

@@ -1,8 +1,8 @@
 """An emulated Roboteq RIOX-1216AHRS: bytes in, bytes out, no I/O.
 
-No manual was at hand for its scales, so they are the row's to set. `?ML` answers accelerations, temperature, turn rates
-and field, `?QO` the quaternion w, x, y, z, `?EO` roll, pitch and yaw; whatever else is asked or said is refused
-with `-`. It echoes until `^ECHOF 1`.
+Its scales are settings of the row, as no manual was at hand. `?ML` answers accelerations, temperature, turn rates and
+field, `?QO` the quaternion w, x, y, z, `?EO` roll, pitch and yaw. All other lines are refused with `-`. It echoes until
+`^ECHOF 1`.
 """
 
 from collections.abc import Iterable
@@ -32,24 +32,24 @@ class RioxDevice(AsciiDevice[RioxFaults]):
         super().__init__(settings.faults, seed)
 
     def boot(self) -> None:
-        """Start with the settings of the row; all else is forgotten."""
+        """Start with the settings of the row; all other state is reset."""
         super().boot()
         self.echo = self._settings.echo
 
     def feel(self, reading: ImuReading, now: float) -> None:
-        """Take in what it measures from now on."""
+        """Set its measurements from now on."""
         if not self.faults.frozen:
             self._felt = reading
             self._orientation.follow(reading, now)
 
     def feed(self, data: bytes, now: float) -> bytes:
-        """Take bytes from the host; return what has crossed the line back so far."""
+        """Receive bytes from the host; return the bytes that have crossed the line back so far."""
         if self.present(now):
             self.receive(data, now)
         return self.poll(now)
 
     def poll(self, now: float) -> bytes:
-        """Return what has crossed the line to the host so far."""
+        """Return the bytes that have crossed the line to the host so far."""
         if self.faults.brown_out:
             self.outbox.clear()
         return self.outbox.due(now)
@@ -63,14 +63,14 @@ class RioxDevice(AsciiDevice[RioxFaults]):
         return not (self.faults.unplug or self.faults.brown_out)
 
     def execute(self, line: str, now: float) -> None:
-        """Obey a line, and answer."""
+        """Carry out a line, and answer."""
         if line:
             words = line.upper().split()
             refused = strikes(self.faults.refuse, self.random)
             self.answer("-" if refused else self._reply(words), now)
 
     def send(self, data: bytes, now: float) -> None:
-        """Put bytes on the line: whole, cut short or in pieces."""
+        """Send bytes on the line: whole, cut short or in pieces."""
         if strikes(self.faults.half, self.random):
             data = data[: self.random.randrange(len(data))]
         if not self.faults.pieces:

@@ -9,7 +9,7 @@ from lbr.simulation.twins.line import LineTwin
 
 
 class RioxTwin(LineTwin[RioxFaults]):
-    """Answers what it is asked about turn, tilt and field."""
+    """Answers questions about turn, tilt and field."""
 
     def __init__(self, device: Device, around: Surroundings) -> None:
         settings = row(device, RioxRow)
@@ -21,9 +21,9 @@ class RioxTwin(LineTwin[RioxFaults]):
         return self._device.present(now)
 
     def hear(self, data: bytes, now: float) -> bytes:
-        """Take bytes; return what has crossed the line back."""
+        """Receive bytes; return the bytes that have crossed the line back."""
         return self._device.feed(data, now)
 
     def feel(self, reading: ImuReading, now: float) -> None:
-        """Take in what it measures now."""
+        """Set its present measurements."""
         self._device.feel(reading, now)

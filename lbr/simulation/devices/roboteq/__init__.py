@@ -1,5 +1,4 @@
-"""The emulated motor controller Roboteq SDC21xx: what its device rows may set, what can go wrong with it, and which
-twin it has."""
+"""The emulated motor controller Roboteq SDC21xx: the settings of its device rows, its faults, and its twin."""
 
 from typing import Literal
 
@@ -14,7 +13,7 @@ Sense = Literal[-1, 1]
 class RoboteqFaults(LineFaults, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Faults of the motor controller: those of a line, and more.
 
-    `undervoltage`, `overheat`: the fault bit, power stage off. `no_watchdog`: it takes the setting, and never acts.
+    `undervoltage`, `overheat`: the fault bit, power stage off. `no_watchdog`: it accepts the setting, and never acts.
     """
 
     undervoltage: bool = False
@@ -23,7 +22,7 @@ class RoboteqFaults(LineFaults, frozen=True, kw_only=True, forbid_unknown_fields
 
 
 class RoboteqRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The wiring of a `roboteq` device row: a direction of -1 turns the wheel back for a positive command."""
+    """The wiring of a `roboteq` device row: with a direction of -1, the wheel turns back for a positive command."""
 
     faults: RoboteqFaults = RoboteqFaults()
     left_channel: Literal[1, 2] = 1

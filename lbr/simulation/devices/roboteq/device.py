@@ -1,9 +1,9 @@
 """An emulated Roboteq SDC21xx motor controller: bytes in, bytes out, no I/O.
 
-Where the manual leaves room, this device assumes: a value outside -1000..1000, an unknown command, a wrong number of
-arguments or a bare prefix is refused with `-` and changes nothing; a refused command does not feed the watchdog;
-while the emergency stop is latched, motor commands are answered `+` and remembered without effect; an empty line and
-`#` get no answer; commands take effect when their last byte is handed in, and only answers take wire time.
+The manual leaves gaps. This device assumes: it refuses invalid commands with `-`, and they change nothing. Invalid are
+a value outside -1000..1000, an unknown command, a wrong number of arguments and a bare prefix. A refused command does
+not feed the watchdog. While the emergency stop is latched, motor commands are answered `+` and stored without effect.
+An empty line and `#` get no answer. Commands take effect with their last byte, and only answers take wire time.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,8 +25,8 @@ _IDENTITY = {"FID": "Roboteq v1.8 SDC2130 08/20/2016", "TRN": "RCB500:SDC2130"}
 
 
 class Measured(Struct, frozen=True, kw_only=True):
-    """The knowledge of the controller. Counts, amps and rpm are per channel, in the channel's own sense: positive for a
-    positive command."""
+    """The measurements of the controller. Counts, amps and rpm are per channel, in the channel's own sense: positive
+    for a positive command."""
 
     battery_v: float = 12.6
     internal_v: float = 12.0
@@ -38,7 +38,7 @@ class Measured(Struct, frozen=True, kw_only=True):
     temperature_c: float = 28.0
 
     def registers(self) -> dict[str, tuple[int, ...]]:
-        """Return what the queries V, A, BA, T and S answer, in the controller's units."""
+        """Return the answers to the queries V, A, BA, T and S, in the controller's units."""
         warm = round(self.temperature_c)
         return {
             "V": (round(self.internal_v * 10), round(self.battery_v * 10), round(self.output_v * 1000)),
@@ -50,7 +50,7 @@ class Measured(Struct, frozen=True, kw_only=True):
 
 
 class RoboteqDevice(AsciiDevice[RoboteqFaults]):
-    """The controller from power-up on; `on_command` is called with each runtime command line just after it took effect."""
+    """The controller from power-up on; `on_command` is called with each runtime command line after its effect."""
 
     def __init__(
         self,
@@ -69,7 +69,7 @@ class RoboteqDevice(AsciiDevice[RoboteqFaults]):
         super().__init__(faults or RoboteqFaults(), seed)
 
     def feed(self, data: bytes, now: float) -> bytes:
-        """Take bytes from the host; return what has crossed the line back so far."""
+        """Receive bytes from the host; return the bytes that have crossed the line back so far."""
         self._now = now
         if self.present(now):
             self._stage.expired(now)
@@ -77,7 +77,7 @@ class RoboteqDevice(AsciiDevice[RoboteqFaults]):
         return self.poll(now)
 
     def poll(self, now: float) -> bytes:
-        """Return what has crossed the line to the host so far."""
+        """Return the bytes that have crossed the line to the host so far."""
         self._now = now
         self._stage.expired(now)
         if self._faults.brown_out:
@@ -88,7 +88,7 @@ class RoboteqDevice(AsciiDevice[RoboteqFaults]):
         return self.outbox.due(now)
 
     def next_due(self) -> float | None:
-        """Return when this device next has something to do by itself: an answer, a repeat, the watchdog."""
+        """Return when this device next acts by itself: an answer, a repeat, the watchdog."""
         repeat = self._repeat_at if self._repeat_s > 0 and self._history else None
         times = (self.outbox.next_due(), self._stage.expires_at(), repeat)
         return min((at for at in times if at is not None), default=None)
@@ -105,7 +105,7 @@ class RoboteqDevice(AsciiDevice[RoboteqFaults]):
         return self._stage.outputs(now)
 
     def cause(self, now: float) -> str:
-        """Say what the outputs come from: command, watchdog, emergency_stop, reset or fault."""
+        """Return the cause of the outputs: command, watchdog, emergency_stop, reset or fault."""
         if self._power_stage_off():
             return "fault"
         if self._stage.latched:
@@ -118,7 +118,7 @@ class RoboteqDevice(AsciiDevice[RoboteqFaults]):
         return self._faults.brown_out or self._faults.undervoltage or self._faults.overheat
 
     def boot(self) -> None:
-        """Start with what was saved; all else is forgotten."""
+        """Start with the saved settings; all other state is reset."""
         super().boot()
         self._stage = PowerStage(lambda: not self._faults.no_watchdog)
         self._stage.watchdog_ms = self._saved["RWD"]
@@ -132,7 +132,7 @@ class RoboteqDevice(AsciiDevice[RoboteqFaults]):
     # Lines to meaning.
 
     def execute(self, line: str, now: float) -> None:
-        """Obey a line, and answer."""
+        """Carry out a line, and answer."""
         if not line:
             return
         kind, rest = line[0], line[1:].upper()
@@ -257,7 +257,7 @@ class RoboteqDevice(AsciiDevice[RoboteqFaults]):
 
 
 def _split(rest: str) -> tuple[str, list[int] | None]:
-    """Return the name and its whole-number arguments, or None for arguments that are no such numbers."""
+    """Return the name and its integer arguments, or None for other arguments."""
     name, *words = rest.split() or [""]
     if any(len(word) > 10 for word in words):
         return name, None

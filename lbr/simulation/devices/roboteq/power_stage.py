@@ -11,8 +11,8 @@ DEFAULT_WATCHDOG_MS = 1000
 class PowerStage:
     """The two outputs, as a function of the commands received and the time.
 
-    Only `feed` keeps the watchdog from expiring. Expiry takes the outputs to zero but forgets nothing: the next
-    `feed` brings back whatever the channels' commands then are. `works` says whether the watchdog does.
+    Only `feed` keeps the watchdog from expiring. Expiry sets the outputs to zero but keeps the commands: the next
+    `feed` restores those of the channels. `works`: the watchdog does.
     """
 
     def __init__(self, works: Callable[[], bool] = lambda: True) -> None:
@@ -25,7 +25,7 @@ class PowerStage:
         self._expired = True
 
     def feed(self, now: float) -> None:
-        """Take note of a valid runtime command."""
+        """Note a valid runtime command."""
         self._fed_at = now
         self._expired = False
 

@@ -37,12 +37,12 @@ class RoboteqTwin(LineTwin[RoboteqFaults]):
         return self._device.present(now)
 
     def cable(self, now: float) -> None:
-        """Tell what the outputs were when the cable was pulled out."""
+        """Trace the outputs at the moment when the cable was pulled out."""
         if self._faults.unplug:
             self._trace.outputs(now, self.wheels(now), "unplug", always=True)
 
     def hear(self, data: bytes, now: float) -> bytes:
-        """Take bytes; return what has crossed the line back."""
+        """Receive bytes; return the bytes that have crossed the line back."""
         return self._device.feed(data, now)
 
     def wheels(self, now: float) -> Pair:

@@ -1,5 +1,4 @@
-"""The emulated ring of ultrasonic sensors: what its device rows may set, what can go wrong with it, and which twin it
-has."""
+"""The emulated ring of ultrasonic sensors: the settings of its device rows, its faults, and its twin."""
 
 from typing import Annotated, Literal
 
@@ -35,7 +34,7 @@ class UltrasonicFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=
 
 
 class UltrasonicRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Which board an `ultrasonic_ring` device row means."""
+    """The board of an `ultrasonic_ring` device row."""
 
     faults: UltrasonicFaults = UltrasonicFaults()
     board: Board = "arduino"

@@ -10,7 +10,7 @@ ORDER: tuple[str, ...] = ("forward", "left", "right", "back")
 """The order of the sensors' turns, so that none receives the echo of another."""
 
 MINIMUM_CM = 17
-"""The least reading that was seen of the boards; the sensors' datasheet has 20."""
+"""The smallest observed reading of the boards; the sensors' datasheet has 20."""
 MAXIMUM_CM = 765
 
 _STARTUP_S = 0.5
@@ -25,11 +25,11 @@ _ERROR_CM = 0
 
 
 class UltrasonicBoard:
-    """A board from power-up on; `distances_m` is what its sensors face (None or absent: nothing within reach),
-    `not_there` are those that it has no sensor for.
+    """A board from power-up on. `distances_m` are the distances before its sensors; None or absent: nothing within
+    reach.
 
-    `more` are sensors beyond the four that every board has. Each sensor takes its turn for as long as its echo takes,
-    so that when they are told the first reading is the oldest.
+    `not_there` are missing sensors, `more` those beyond the four of every board. Each sensor's turn lasts as long as
+    its echo, so in a report the first reading is the oldest.
     """
 
     def __init__(
@@ -60,7 +60,7 @@ class UltrasonicBoard:
         self._outbox.clear()
 
     def feed(self, data: bytes, now: float) -> bytes:
-        """Take bytes from the host; return what has crossed the line back so far."""
+        """Receive bytes from the host; return the bytes that have crossed the line back so far."""
         if self.board == "arduino":
             for byte in data:
                 self._outbox.received(1, now)
@@ -69,7 +69,7 @@ class UltrasonicBoard:
         return self.poll(now)
 
     def poll(self, now: float) -> bytes:
-        """Return what has crossed the line to the host so far."""
+        """Return the bytes that have crossed the line to the host so far."""
         while self._ranging and now >= self._next_at and not self._blocked():
             if self._turn == len(self.sensors):
                 self._report(now)
@@ -78,7 +78,7 @@ class UltrasonicBoard:
         return self._outbox.due(now)
 
     def next_due(self) -> float | None:
-        """Return the soonest time at which this board has something to say by itself; poll it meanwhile."""
+        """Return the soonest time at which this board sends by itself; poll it meanwhile."""
         left = len(self.sensors) - self._turn
         soonest = self._next_at + left * (_TRIGGER_S + MINIMUM_CM * _ECHO_S_PER_CM)
         report = soonest if self._ranging and not self._blocked() else None
@@ -97,7 +97,7 @@ class UltrasonicBoard:
         return self.board == "parallax" and bool(self.faults.missing)
 
     def _take_turn(self, side: str) -> None:
-        """Let one sensor measure what it faces now."""
+        """Let one sensor measure its distance."""
         if not (self.faults.frozen and side in self._last):
             self._last[side] = self._sense(side)
         turn_s = self._turn_s(side, self._last[side])
@@ -119,7 +119,7 @@ class UltrasonicBoard:
         return max(MINIMUM_CM, min(MAXIMUM_CM, round(faced * 100 + spread_cm)))
 
     def _report(self, now: float) -> None:
-        """Tell what was measured, with how long the cycle before took, and rest."""
+        """Send the measurements with the duration of the previous cycle, and rest."""
         ticks = round(self._told_s * _TICKS_PER_S[self.board])
         fields = ", ".join(f'"{side.capitalize()}": {self._last[side]}' for side in ORDER)
         others = "".join(f', "{side.capitalize()}": {self._last[side]}' for side in self.sensors[len(ORDER) :])

@@ -13,7 +13,7 @@ from lbr.simulation.twins.line import LineTwin
 
 
 class UltrasonicTwin(LineTwin[UltrasonicFaults]):
-    """Reports how far away things are."""
+    """Sends the distances before its sensors."""
 
     def __init__(self, device: Device, around: Surroundings) -> None:
         settings = row(device, UltrasonicRow)
@@ -27,8 +27,7 @@ class UltrasonicTwin(LineTwin[UltrasonicFaults]):
         super().__init__(device, settings.faults, self._board)
 
     def fault(self, name: str, value: FaultValue) -> dict[str, Any]:
-        """Set a fault and return them all; raise InputError saying what is allowed, also for a sensor that is not
-        there."""
+        """Set a fault and return them all; raise InputError with the permitted ones, also for a missing sensor."""
         before, sensors = self._faults, self._board.sensors
         faults = super().fault(name, value)
         struck = (*self._faults.missing, *self._faults.over_range, *self._faults.error)
@@ -43,10 +42,10 @@ class UltrasonicTwin(LineTwin[UltrasonicFaults]):
             self._board.power_cycle(now)
 
     def hear(self, data: bytes, now: float) -> bytes:
-        """Take bytes; return what has crossed the line back."""
+        """Receive bytes; return the bytes that have crossed the line back."""
         return self._board.feed(data, now)
 
     def sense(self, sensed: Sensed) -> None:
-        """Face what the world puts before the sensors."""
+        """Set the distances from the world."""
         self._board.distances_m = sensed.ranges_m
         self._board.not_there = frozenset(self._board.sensors) - sensed.ranges_m.keys()
