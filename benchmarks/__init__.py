@@ -1,7 +1,7 @@
 """Programs that measure a robot, run by `python -m benchmarks NAME`; each is a module of this folder.
 
-A benchmark says what it measures in its docstring and has three things: `SMOKE`, the options of a run of seconds that
-only shows that it still works; `options(parser)`, which adds its own; and `measure(given)`, which returns `Measured`.
+A benchmark has a docstring about its measurement, and three names. `SMOKE` are the options of a run of seconds that
+only shows that it still works. `options(parser)` adds its own options, and `measure(given)` returns `Measured`.
 """
 
 import sys
@@ -19,7 +19,7 @@ FOLDER = Path(__file__).parent
 
 
 class Measured(Struct, kw_only=True):
-    """What a benchmark has found: graded `results`, other `figures`, `text` to read, and what makes it fail besides."""
+    """The result of a benchmark: graded `results`, other `figures`, `text` for people, and further reasons to fail."""
 
     results: list[Result] = []
     load: str = "I"
@@ -31,7 +31,7 @@ class Measured(Struct, kw_only=True):
 
 
 def names() -> list[str]:
-    """Return what `python -m benchmarks` runs."""
+    """Return the names for `python -m benchmarks`."""
     return sorted(path.stem for path in FOLDER.glob("[a-z]*.py"))
 
 
@@ -48,7 +48,7 @@ def one_by_one(results: Results, runs: Iterable[tuple[str, str, Callable[[], Non
 
 
 def listed(text: str) -> list[str]:
-    """Return what stands between commas: an option's type."""
+    """Return the items between commas, as an option's type."""
     return [word for word in text.split(",") if word]
 
 

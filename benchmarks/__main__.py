@@ -1,8 +1,8 @@
-"""Run a benchmark by its name: `python -m benchmarks safety --gate`. Without a name, say what there is.
+"""Run a benchmark by its name: `python -m benchmarks safety --gate`. Without a name, list all.
 
-`--json FILE` keeps what came out; `python -m benchmarks safety --merge FILE --write-docs` puts it into the table in
-docs/reference/figures.md. `--smoke` shows in seconds that a benchmark still works: it is judged by what must never be, not by how
-long anything took; without a name all of them are shown, several at a time. Exit code 1 if a hard value is broken.
+`--json FILE` keeps the results; `python -m benchmarks safety --merge FILE --write-docs` puts them into the table in
+docs/reference/figures.md. `--smoke` shows in seconds that a benchmark still works: only violations count, not
+durations. Without a name, it runs all of them, several at a time. Exit code 1 if a hard value is broken.
 """
 
 import argparse
@@ -25,14 +25,14 @@ from tests.support.figures import Report, machine, table
 
 SMOKE_S = 120.0
 SPARE = 1
-"""They wait more than they compute: this many more at a time than there are cores."""
+"""They wait more than they compute: so many more run at a time than there are cores."""
 
 
 def main(words: list[str]) -> int:
-    """Run what is asked for."""
+    """Run the chosen benchmark."""
     signal.signal(
         signal.SIGINT, signal.default_int_handler
-    )  # a shell in the background has it ignored, in children too
+    )  # a shell in the background ignores the signal, also for its children
     if words[:1] and words[0] in names():
         return run(words[0], words[1:])
     parser = argparse.ArgumentParser(
@@ -54,12 +54,12 @@ def main(words: list[str]) -> int:
 
 
 def listing() -> str:
-    """Return what there is, a line each."""
+    """Return the list of benchmarks, a line each."""
     return "\n".join(f"  {name:16} {_first_line(FOLDER / f'{name}.py')}" for name in names())
 
 
 def run(name: str, words: list[str]) -> int:
-    """Run one benchmark: tell what came out, keep it if wanted, and return the exit code."""
+    """Run one benchmark: print the results, keep them if requested, and return the exit code."""
     module = importlib.import_module(f"benchmarks.{name}")
     parser = argparse.ArgumentParser(
         prog=f"python -m benchmarks {name}",
@@ -92,7 +92,7 @@ def run(name: str, words: list[str]) -> int:
 
 
 def tell(report: Report, found: Measured, *, smoke: bool) -> int:
-    """Say what came out; return 1 if it is not as it must be."""
+    """Print the results; return 1 if they are bad."""
     print(f"{report.machine}; {report.load}\n")
     if report.results:
         print(table(report.results))
@@ -108,8 +108,8 @@ def tell(report: Report, found: Measured, *, smoke: bool) -> int:
 
 
 def smoke_all() -> int:
-    """Show that each still works; of those that do not, tell what they said last. What fails beside others has to work
-    alone."""
+    """Show that each benchmark still works; print the last output of those that do not. A failure beside others is
+    tried again alone."""
     beside = _smoke(names(), (os.cpu_count() or 1) + SPARE)
     if beside:
         print(f"once more, alone: {', '.join(beside)}", flush=True)
@@ -119,7 +119,7 @@ def smoke_all() -> int:
 
 
 def _smoke(wanted: list[str], at_once: int) -> list[str]:
-    """Run benchmarks, so many at a time, and return those that failed."""
+    """Run benchmarks, so many at a time, and return the failed ones."""
     waiting, failed = list(wanted), []
     running: dict[str, tuple[subprocess.Popen[bytes], BufferedRandom, float]] = {}
     while waiting or running:

@@ -1,7 +1,9 @@
-"""Where rows end that are applied to a running robot: `lbr db apply --within`, good and bad ones, with the executive killed on the way.
+"""The end of rows that are applied to a running robot: `lbr db apply --within` with good and bad ones, and with kills
+of the executive.
 
-`python -m benchmarks apply --n 100`. A third of the rounds kill the executive, at any moment of it. The rows must then be the old
-or the new ones, whole, and everything ready; the time is from where they were written, or from the next start after a kill.
+`python -m benchmarks apply --n 100`. A third of the rounds kill the executive, at a random moment. The rows must then
+be the old or the new ones, complete, and all parts ready. The time is from the write, or from the next start after a
+kill.
 """
 
 import argparse
@@ -30,7 +32,7 @@ SMOKE = "--n 3"
 
 WITHIN_S = 1.5
 LATEST_KILL_S = 1.2
-"""After the rows were written: while they are on trial, and after it; in every third kill after the command began."""
+"""After the write: while the rows are on trial, and after it; in every third kill, after the command began."""
 BACK_S = 20.0
 LOOK_S = 0.01
 SLOWEST = 5
@@ -87,13 +89,13 @@ BAD = (
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how much."""
+    """Add the amount."""
     parser.add_argument("--n", type=int, default=100, help="rounds (default %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of chance (default %(default)s)")
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Apply, and look where it ends."""
+    """Apply rows, and check the end."""
     results, dice = Results(PROMISES), random.Random(given.seed)
     ends: dict[str, int] = {}
     slow: list[tuple[float, str]] = []
@@ -122,7 +124,7 @@ def measure(given: argparse.Namespace) -> Measured:
 def _round(
     robot: Robot, script: str, results: Results, kill_after_s: float | None, *, early: bool
 ) -> tuple[str, float, Robot]:
-    """Apply once; return which rows there are then, the time that it took, and the robot that runs."""
+    """Apply once; return the resulting rows, the time, and the running robot."""
     home = robot.home
     (home / "edit.sql").write_text(script)
     old, new, trials = _rows(home), _wanted(home), _trials(home)
@@ -142,7 +144,7 @@ def _round(
         until(lambda: _judged(home), limit_s=BACK_S, what="a trial that is judged")
         tried = _trials(home) != trials
     else:
-        time.sleep(kill_after_s)  # any moment will do
+        time.sleep(kill_after_s)  # a random moment
         os.kill(robot.ready["pid"], signal.SIGKILL)
         command.wait(timeout=BACK_S)
         robot.close()

@@ -2,12 +2,10 @@
 
 `python -m benchmarks approach --trials 200 --seed 1`; `--json FILE` keeps the figures. Exit code 1 on a contact.
 
-S20: the base moves at 0.5 m/s when somebody (a box 0.3 to 0.5 m wide) appears 0.5 m from its outline: ahead or behind
-while it drives straight, to its left or right while it drives an arc to that side, forwards or backwards. Each trial
-is one that ends in a collision if nobody brakes: what would have passed by itself does not count. The sensors' noise
-grows with the distance, and one reading in a hundred is missing.
-
-Spinning on the spot, a base of this shape sweeps 11 cm beyond its sides: nothing 0.5 m away is in its way.
+S20: the base moves at 0.5 m/s, forwards or backwards, when a person (a box 0.3 to 0.5 m wide) appears 0.5 m from its
+outline. The place is ahead or behind on a straight way, and on the inner side of an arc. Each trial would end in a
+collision without braking: others do not count. The sensors' noise grows with the distance, and one reading in a hundred
+is missing. Spinning on the spot, a base of this shape only sweeps 11 cm beyond its sides.
 """
 
 import argparse
@@ -22,7 +20,7 @@ SMOKE = "--trials 1 --faults 1"
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how much."""
+    """Add the amount."""
     parser.add_argument("--trials", type=int, default=200, help="from each side (default %(default)s)")
     parser.add_argument(
         "--faults", type=int, default=20, help="tries of each fault of each sensor (default %(default)s)"

@@ -1,7 +1,8 @@
-"""Measures what a state table costs: one evaluation of a table of 1,000 states against 500 values, and reading it.
+"""Measures the cost of a state table: one evaluation of a table of 1,000 states against 500 values, and reading it.
 
-`python -m benchmarks behaviours --n 2000 --json FILE`; nothing sleeps, no robot runs. An evaluation is what the process does
-twenty times a second: `step` is that, `why` tells of each row what does not hold, and `all` asks every row of all states.
+`python -m benchmarks behaviours --n 2000 --json FILE`; nothing sleeps, no robot runs. The process evaluates twenty
+times a second: `step` is one evaluation, `why` also finds the unmet conditions of each row, and `all` evaluates the
+rows of all states.
 """
 
 import argparse
@@ -27,13 +28,13 @@ PROMISES = {
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how much."""
+    """Add the amount."""
     parser.add_argument("--n", type=int, default=2000, help="evaluations (default %(default)s)")
     parser.add_argument("--states", type=int, default=1000, help="of the table (default %(default)s)")
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Evaluate a large table again and again."""
+    """Evaluate a large table repeatedly."""
     results = Results(PROMISES)
     table, rows = _table(given.states)
     compiled: list[Table] = []
@@ -67,7 +68,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 
 def _table(states: int) -> tuple[BehaviourTable, list[BehaviourRow]]:
-    """Return a table whose rows never hold, so that each is asked."""
+    """Return a table whose rows never hold, so that each is evaluated."""
     rows: list[BehaviourRow] = []
     for number in range(states):
         for row in range(ROWS):
@@ -88,6 +89,6 @@ def _table(states: int) -> tuple[BehaviourTable, list[BehaviourRow]]:
 
 
 def _taken_ms(do: Callable[[], object]) -> float:
-    began = time.thread_time()  # what the processor did for it: others may have it meanwhile
+    began = time.thread_time()  # the processor time: other processes may run meanwhile
     do()
     return (time.thread_time() - began) * 1000.0

@@ -1,8 +1,8 @@
-"""The same benchmark of another checkout in turns with this one, so that one machine in one mood judges both.
+"""Runs the same benchmark of another checkout in turns with this one, so that the machine's state affects both equally.
 
 `python -m benchmarks beside --checkout ../before --rounds 5 --run 'latency --n 200'`. The other one has an environment
-of its own in `.venv`. Each figure that both tables show is told as the median of its rounds, and as new to old; options
-that only the other one needs are given by `--other`. Exit code 1 if one of them fails.
+of its own in `.venv`. Each figure in both tables is printed as the median of its rounds, and as the ratio of new to
+old. `--other` has the options that only the other one needs. Exit code 1 if one of them fails.
 """
 
 import argparse
@@ -18,14 +18,14 @@ from tests.support import programs
 
 SMOKE = "--rounds 1"
 SHOWN = frozenset({"p50", "p99", "max", "cpu", "private"})
-"""The columns that are compared, by the first word of their heads."""
+"""The columns to compare, by the first word of their heads."""
 LONGEST_S = 3600.0
 
 Figure = tuple[str, str]
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add the other checkout, and what to run."""
+    """Add the other checkout, and the benchmark."""
     parser.add_argument(
         "--checkout", type=Path, default=FOLDER.parent, metavar="FOLDER", help="of the other one (default: this one)"
     )
@@ -67,7 +67,7 @@ def figures(text: str) -> Iterator[tuple[Figure, float]]:
 
 
 def compared(old: dict[Figure, list[float]], new: dict[Figure, list[float]]) -> str:
-    """Return a table of the figures that both have."""
+    """Return a table of the common figures."""
     lines = ["| figure | | rounds | old | new | new to old |", "|---|---|--:|--:|--:|--:|"]
     for (name, column), values in old.items():
         if (name, column) in new:

@@ -1,8 +1,8 @@
-"""Measures the black box: what kills of it cost, what it takes at rest and driving, and motion with and without it.
+"""Measures the black box: the losses by kills, its cost at rest and while driving, and motion with and without it.
 
-`python -m benchmarks box --n 200 --seconds 60 --lines 200`. A kill is `kill -9` of the box at a random moment; what counts
-is every message that another client heard, from the box's first to those a second old at the kill. `--only kills,cost,latency`
-runs some. Exit code 1 if a message in a hundred was lost that was older than a second.
+`python -m benchmarks box --n 200 --seconds 60 --lines 200`. A kill is `kill -9` of the box at a random moment. Every
+message counts that another client received, from the box's first to those a second old at the kill. `--only
+kills,cost,latency` runs some. Exit code 1 if one in a hundred messages older than a second was lost.
 """
 
 import argparse
@@ -35,11 +35,11 @@ PROMISES = {
 }
 OLD_S = 1.0
 EVERY = 4
-"""A process that ends six times within 30 s is given up; its row's restart forgets them."""
+"""A process that ends six times within 30 s is given up; a restart of its row resets the count."""
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how much, and of what."""
+    """Add the amount, and the parts."""
     parser.add_argument("--n", type=int, default=20, help="kills (default %(default)s)")
     parser.add_argument("--seconds", type=float, default=30.0, help="at rest, and driving (default %(default)s)")
     parser.add_argument(
@@ -49,7 +49,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Kill it, weigh it, and go without it."""
+    """Kill it, measure its cost, and run without it."""
     results, text = Results(PROMISES), []
     if "kills" in given.only:
         text += _kills(results, given.n)

@@ -1,8 +1,8 @@
-"""How old a camera's picture is when the page shows it: by a call, and by MJPEG; what a call costs; what a kill does to it.
+"""The age of a camera's picture on the page, by a call and by MJPEG; the cost of a call; the effect of a kill.
 
-`python -m benchmarks call --seconds 30 --calls 10`. A clock is drawn in the pictures, 640x360 with noise and 15 a second, and
-read from the pixels that Chromium shows. Its timers come each 4 ms; that is in the figures. Without Chromium or the extra
-`telepresence` it says so and measures nothing.
+`python -m benchmarks call --seconds 30 --calls 10`. A clock is drawn in the pictures, 640x360 with noise and 15 a
+second, and read from the pixels that Chromium shows. Its timers come each 4 ms; that is in the figures. Without
+Chromium or the extra `telepresence` it reports that and measures nothing.
 """
 
 import argparse
@@ -90,7 +90,7 @@ FILM, PICTURE = ".call-stage video.drive-picture", ".call-stage img.drive-pictur
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how long, and how often."""
+    """Add durations and amounts."""
     parser.add_argument(
         "--seconds", type=float, default=30.0, help="how long each way is watched (default %(default)s)"
     )
@@ -134,7 +134,7 @@ def watch(results: Results, robot: Robot, page: Any, given: argparse.Namespace) 
     for n in range(given.calls):
         _call(page)
         if n == 0:
-            time.sleep(min(2.0, given.seconds))  # the bandwidth is felt out, and the first pictures are old
+            time.sleep(min(2.0, given.seconds))  # the bandwidth is being estimated, and the first pictures are old
             figures |= _one(results, page, process, given.seconds)
         else:
             time.sleep(min(3.0, given.seconds))
@@ -161,7 +161,7 @@ def _one(results: Results, page: Any, process: psutil.Process, seconds: float) -
 
 
 def _kill(results: Results, robot: Robot, page: Any) -> None:
-    """Kill the call's process in a call; the page must say so and show MJPEG, and a call must be possible again."""
+    """Kill the call's process in a call; the page must report it and show MJPEG, and a call must be possible again."""
     _call(page)
     pid = robot.capability("call")["pid"]
     psutil.Process(pid).send_signal(signal.SIGKILL)
@@ -180,7 +180,7 @@ def _kill(results: Results, robot: Robot, page: Any) -> None:
 
 
 def _call(page: Any) -> None:
-    """Call, as often as a person would try."""
+    """Call repeatedly, as a person would."""
     for last in (False, False, True):
         page.locator(".call-go").click()
         try:
@@ -220,7 +220,7 @@ def _robot() -> Iterator[Robot]:
 
 
 class Clock:
-    """A camera that sees a clock: a bar of 32 fields, dark or bright, before noise that wanders."""
+    """A camera with a clock: a bar of 32 fields, dark or bright, before noise that moves."""
 
     def __init__(self, path: Path) -> None:
         self._noise = (

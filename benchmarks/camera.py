@@ -1,4 +1,4 @@
-"""How old a picture is when it arrives: at a subscriber of the bus, and in a browser that navcam serves.
+"""The age of a picture when it arrives: at a subscriber of the bus, and in a browser that navcam serves.
 
 `python -m benchmarks camera --seconds 30 --json FILE`. The pictures come at 640x360 and 15 a second from a program on
 a socket, 30 kB each; with `--simulated` they are those of the simulated world, which has to draw them first. Exit code
@@ -43,7 +43,7 @@ PART = b"\r\n--FRAME\r\nContent-Type: image/jpeg\r\n\r\n"
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how long, and of what."""
+    """Add the duration, and the source."""
     parser.add_argument("--seconds", type=float, default=30.0, help="how long (default %(default)s)")
     parser.add_argument("--simulated", action="store_true", help="take the pictures of the simulated world")
 
@@ -57,7 +57,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 
 def watch(results: Results, robot: Robot, seconds: float) -> None:
-    """Watch the camera by both ways at once."""
+    """Watch the camera by both ways at the same time."""
     heard = Pictures(robot)
     until(lambda: heard.count, what="a first picture")
     with _navcam(robot) as url:
@@ -75,7 +75,7 @@ def watch(results: Results, robot: Robot, seconds: float) -> None:
         results.sample("C1", (arrived_ns - taken_ns) * 1e-6)
     for payload, arrived_ns in seen:
         same = [taken_ns for data, taken_ns, _, _ in pictures if data == payload and taken_ns < arrived_ns]
-        if same:  # pictures of a world at rest are alike: the last of them is meant
+        if same:  # pictures of a world at rest are equal: this is the last of them
             results.sample("C2", (arrived_ns - max(same)) * 1e-6)
     numbers = [number for _, _, _, number in pictures]
     missed = [f"after picture {a} came {b}" for a, b in itertools.pairwise(numbers) if b != a + 1]
@@ -83,7 +83,7 @@ def watch(results: Results, robot: Robot, seconds: float) -> None:
 
 
 class Pictures:
-    """Everything that comes on the camera's key: bytes, when taken, when arrived, its number."""
+    """Every message on the camera's key: bytes, times of taking and arrival, its number."""
 
     def __init__(self, robot: Robot) -> None:
         self._came: list[tuple[bytes, int, int, int]] = []
@@ -108,7 +108,7 @@ class Pictures:
 
 
 class Source:
-    """A camera that costs next to nothing: it sends the same bytes with another number, at its rate."""
+    """A camera of almost no cost: it sends the same bytes with another number, at its rate."""
 
     def __init__(self, path: Path) -> None:
         self._listener = socket.socket(socket.AF_UNIX)
@@ -137,7 +137,7 @@ class Source:
 
 @contextmanager
 def _robot(*, simulated: bool) -> Iterator[Robot]:
-    """Run a robot with a camera: beside the simulated base, or nothing else than a camera at a socket of ours."""
+    """Run a robot with a camera: beside the simulated base, or only a camera at a socket of ours."""
     on = f"UPDATE capability SET enabled = 1, settings = json_set(settings, '$.on', json('true')) WHERE name = '{CAMERA}'"
     if simulated:
         with temporary_home(edits=(on,)) as home, running(home) as robot:
@@ -170,7 +170,7 @@ def _navcam(robot: Robot) -> Iterator[str]:
 
 
 def _watch(url: str, seen: list[tuple[bytes, int]], over: threading.Event) -> None:
-    """Do as a browser does: a picture is there once the header of the next one is."""
+    """Act like a browser: a picture is complete once the header of the next one comes."""
     where = urlsplit(url)
     token = where.fragment.partition("=")[2]
     connection = http.client.HTTPConnection(where.netloc, timeout=10)

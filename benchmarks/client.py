@@ -1,7 +1,7 @@
-"""What lbr-client costs a program: the processor time of its import, and the room that it takes with what it needs.
+"""The cost of lbr-client for a program: the processor time of its import, and its size with its dependencies.
 
-`python -m benchmarks client --n 20`. The wheel is built, and unpacked as pip would in an environment without lbr; what it needs is
-counted as it is installed here. Beside it stands the import of an interpreter with its bus library alone.
+`python -m benchmarks client --n 20`. The wheel is built, and unpacked like by pip in an environment without lbr;
+dependencies count as they are installed here. For comparison, an interpreter imports only the bus library.
 """
 
 import argparse
@@ -26,12 +26,12 @@ PROMISES = {
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how often."""
+    """Add the number."""
     parser.add_argument("--n", type=int, default=20, help="imports of each (default %(default)s)")
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Import it again and again, in turns with the libraries alone."""
+    """Import it repeatedly, in turns with the libraries alone."""
     results = Results(PROMISES)
     with tempfile.TemporaryDirectory() as place:
         wheel = lbr_client.build("wheel", Path(place))

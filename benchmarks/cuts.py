@@ -1,8 +1,8 @@
-"""Measures what a power cut costs: acknowledged rows, the emergency stop's latch, and what the black box had recorded.
+"""Measures the losses by a power cut: acknowledged rows, the emergency stop's latch, and the black box's recordings.
 
-`python -m benchmarks cuts --n 50`, as root. The robot's home is a file system of its own, which is told at a random moment to lose
-what was not synced and to write nothing more; then it is mounted again, and read. A disk that says it has written what it has not
-is not tried.
+`python -m benchmarks cuts --n 50`, as root. The robot's home is a file system of its own. At a random moment it drops
+unsynced data and stops writing; then it is mounted again, and read. A disk that acknowledges writes falsely is not
+tested.
 """
 
 import argparse
@@ -23,14 +23,14 @@ PROMISES = {
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how many."""
+    """Add the number."""
     parser.add_argument("--n", type=int, default=20, help="cuts (default %(default)s)")
     parser.add_argument("--seconds", type=float, default=8.0, help="at most until a cut (default %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of chance (default %(default)s)")
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Cut, and look."""
+    """Cut the power, and check."""
     if not cut_disk.possible():
         raise InputError(f"a disk whose power can be cut needs {cut_disk.NEEDS}", "not_possible")
     results, dice, edits, older, gone = Results(PROMISES), random.Random(given.seed), 0, 0, 0

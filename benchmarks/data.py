@@ -1,8 +1,8 @@
 """Measures that rows, audit trail and the emergency stop's latch survive kills, damage, bad edits and a full disk.
 
-`python -m benchmarks data --n 30 --json FILE`; `--only D1,D4` runs a few scenarios, `--seed` makes the same damage again.
-`--n 100` is the full amount: 1,000 kills, 5,000 mutated databases, every 512 bytes and 2,000 flipped bits. Exit code 1
-if anything was lost or wrong was accepted.
+`python -m benchmarks data --n 30 --json FILE`; `--only D1,D4` runs a few scenarios, `--seed` makes the same damage
+again. `--n 100` is the full amount: 1,000 kills, 5,000 mutated databases, every 512 bytes and 2,000 flipped bits. Exit
+code 1 if anything was lost, or anything wrong was accepted.
 """
 
 import argparse
@@ -21,7 +21,7 @@ Scenario = Callable[[Results, int], None]
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how much, and of what."""
+    """Add the amount, and the scenarios."""
     parser.add_argument("--n", type=int, default=5, help="how much, more or less (default %(default)s)")
     parser.add_argument("--only", type=listed, default=[], metavar="D1,D4")
     parser.add_argument("--seed", type=int, default=1, help="of chance (default %(default)s)")
@@ -46,7 +46,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 
 def scenarios(seed: int) -> dict[str, tuple[Scenario, float]]:
-    """Return every scenario with its share of `--n`; chance is the seed's."""
+    """Return every scenario with its share of `--n`; the seed determines the random numbers."""
     return {
         "D1": (lambda results, n: data_kills.kills(results, n, random.Random(seed)), 10.0),
         "D2": (lambda results, n: data_mutations.mutations(results, n, random.Random(seed)), 50.0),

@@ -1,9 +1,9 @@
-"""Docking by its table in the simulated world, in lockstep: from wherever the robot is put in the room, and with faults.
+"""Docking by its table in the simulated world, in lockstep: from random places in the room, and with faults.
 
-`python -m benchmarks docking --trials 200 --seed 1 --faults 6`. Exit code 1 if a trial does not dock, touches something at more
-than walking pace, or a fault ends otherwise than safely: the table over, the robot standing, and "docked" only where it
-charges. Drive, beacon, behaviours, battery and odometry are the robot's own, as `lbr behaviour try dock` has them; what drivers
-measure is simulated. After the first trial the compass is wrong by up to 20 degrees.
+`python -m benchmarks docking --trials 200 --seed 1 --faults 6`. Exit code 1 if a trial does not dock, touches something
+at more than walking pace, or a fault ends unsafely. A safe end: the table is over, the robot stands, and "docked" is
+true only if it charges. Drive, beacon, behaviours, battery and odometry are the robot's own, as in `lbr behaviour try
+dock`; the drivers' measurements are simulated. After the first trial the compass is wrong by up to 20 degrees.
 """
 
 import argparse
@@ -24,7 +24,7 @@ from tests.support.robot import prepare
 
 SMOKE = "--trials 1 --faults 0"
 PROMISED_S, LONGEST_S, ENDS_S = 120.0, 900.0, 1200.0
-"""The table looks for the dock no more after 700 s; what it has begun by then may take some minutes."""
+"""The table stops its search for the dock after 700 s; its last manoeuvre may then take some minutes."""
 PROMISES = {
     "docked": Promise(what="docks and charges, from wherever it is put in the room"),
     "docked in": Promise(
@@ -36,7 +36,7 @@ PROMISES = {
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how much."""
+    """Add the amount."""
     parser.add_argument("--trials", type=int, default=20, help="places to begin at (default %(default)s)")
     parser.add_argument(
         "--faults", type=int, default=1, help="places to begin at with each fault (default %(default)s)"
@@ -83,7 +83,7 @@ def _setup(home: Path) -> Setup:
 
 
 def _wrong(one: Outcome) -> list[str]:
-    """Return what is not safe about how a trial ended."""
+    """Return the violations of safety at the end of a trial."""
     wrong = list(one.unsafe)
     if one.code == "time_over":
         wrong.append(one.text)

@@ -1,8 +1,8 @@
-"""Docking with the whole robot in the simulated world, and what is left of its motion when what moves it dies.
+"""Docking with the whole robot in the simulated world, and its motion after the process that moves it dies.
 
-`python -m benchmarks docking_robot --trials 3 --start 2.0 -1.5 160 --anywhere 20`. Exit code 1 if a trial does not dock within
-two minutes (five from another place than the world's own start), or if the base
-still moves 1.5 s after what runs the table, or the manoeuvre, was killed or ended.
+`python -m benchmarks docking_robot --trials 3 --start 2.0 -1.5 160 --anywhere 20`. Exit code 1 if a trial does not dock
+within two minutes (five from another place than the world's start). The same if the base still moves 1.5 s after the
+process of the table or of the manoeuvre was killed or ended.
 """
 
 import argparse
@@ -38,7 +38,7 @@ STANDS_S = 0.3
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how often, and from where."""
+    """Add the number, and the start."""
     parser.add_argument("--trials", type=int, default=1, help="times it docks (default %(default)s)")
     parser.add_argument(
         "--anywhere", type=int, default=0, help="times it docks from seeded places of the room (default %(default)s)"
@@ -51,7 +51,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Dock, then end what moves it meanwhile."""
+    """Dock, then end the moving process meanwhile."""
     results, text = Results(PROMISES), []
     edits = (begun_at(*given.start),) if given.start else ()
     places = [
@@ -77,7 +77,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 
 def pose(robot: Robot) -> dict[str, Any]:
-    """The truth about the robot."""
+    """Return the truth about the robot."""
     return dict(until(lambda: robot.ask("world/pose"), what="the robot's pose"))
 
 
@@ -105,7 +105,7 @@ def alive(pid: int) -> bool:
 
 
 def docks(home: Path, within_s: float) -> tuple[bool, str]:
-    """Dock from where the robot begins."""
+    """Dock from the robot's start."""
     with running(home, limit_s=30.0) as robot:
         pid, began = started(robot), time.monotonic()
         while alive(pid) and time.monotonic() - began < 2 * within_s:
@@ -117,7 +117,7 @@ def docks(home: Path, within_s: float) -> tuple[bool, str]:
 
 
 def dies(home: Path, number: int, whose: str) -> tuple[bool, str]:
-    """End a process of the robot while the robot moves by it."""
+    """End a process of the robot while it moves the robot."""
     with running(home, limit_s=30.0) as robot:
         pid, end = started(robot), time.monotonic() + 60.0
         while not moves(robot):
@@ -130,7 +130,7 @@ def dies(home: Path, number: int, whose: str) -> tuple[bool, str]:
         while time.monotonic() < at + 4.0:
             last = time.monotonic() if moves(robot) else last
             if whose == "beacon" and time.monotonic() - last > STANDS_S:
-                break  # begun again it is there for the table, which may well go on
+                break  # once restarted it serves the table, which may go on
             time.sleep(0.01)
         return (
             last - at < STILL_S,
@@ -139,6 +139,6 @@ def dies(home: Path, number: int, whose: str) -> tuple[bool, str]:
 
 
 def begun_at(x_m: float, y_m: float, yaw_deg: float) -> str:
-    """Return the edit that puts the robot there at the beginning."""
+    """Return the edit that sets this start."""
     start = json.dumps({"x_m": x_m, "y_m": y_m, "yaw_rad": math.radians(yaw_deg)})
     return f"UPDATE capability SET settings = json_set(settings, '$.start', json('{start}')) WHERE name = 'world'"

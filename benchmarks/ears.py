@@ -1,9 +1,9 @@
-"""Measures whether a robot would hear a word spoken to it, by voices that machines make, in noise; and what it makes up.
+"""Measures whether a robot would recognise a spoken word, by synthetic voices, in noise; and its false recognitions.
 
-`python -m benchmarks ears`; it needs the library `pocketsphinx` (`pip install pocketsphinx`, which lbr does not need) and
-espeak-ng, and uses the voices of `flite` as well if that is installed. Without them it says so and measures nothing. Each
-word is said alone by each voice, in noise of several strengths; then sentences without any of the words, and noise alone.
-Asked for are 99 % of words right, and fewer than 1 made up in 1,000 words of others.
+`python -m benchmarks ears`; it needs the library `pocketsphinx` (`pip install pocketsphinx`, which lbr does not need)
+and espeak-ng, and uses the voices of `flite` as well if that is installed. Without them it reports that and measures
+nothing. Each voice speaks each word alone, in noise of several strengths; then sentences without any of the words, and
+noise alone. The target is 99 % of words right, and fewer than 1 false one in 1,000 other words.
 """
 
 import argparse
@@ -28,7 +28,7 @@ WORDS = ("stop", "hello", "status", "battery")
 ESPEAK = ("en-us", "en-gb", "en-us+f3", "en-gb-scotland+m3", "en-us+m7", "en-gb+f4", "en-029", "en-gb-x-rp+f2")
 FLITE = ("slt", "rms", "awb", "kal16")
 THRESHOLDS = (1e-1, 1e-5, 1e-10, 1e-20)
-"""How sure a keyword has to be, from strict to lenient."""
+"""The required certainty of a keyword, from strict to lenient."""
 SENTENCES = (
     "The weather will be fine on Sunday afternoon.",
     "Please put the box on top of the table.",
@@ -51,7 +51,7 @@ SENTENCES = (
     "The robot turned left at the end of the corridor.",
     "Her sister swapped seats with the man behind.",
 )
-"""What people say that is none of the words, some of it much like them."""
+"""Sentences without any of the words, some of them very similar."""
 LONGEST_S = 60.0
 
 Sound = NDArray[np.float64]
@@ -59,7 +59,7 @@ Hear = Callable[[Sound], list[str]]
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how much."""
+    """Add the amount."""
     parser.add_argument("--voices", type=int, default=8, help="of those that are installed (default %(default)s)")
     parser.add_argument("--sentences", type=int, default=len(SENTENCES), help="of others (default %(default)s)")
     parser.add_argument("--noise-s", type=int, default=60, help="seconds of each noise alone (default %(default)s)")
@@ -68,7 +68,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Let every recogniser hear everything."""
+    """Give every sound to every recogniser."""
     try:
         import pocketsphinx
     except ImportError:
@@ -102,7 +102,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 
 def recognisers(library: Any) -> Iterator[tuple[str, Hear]]:
-    """Return ways to listen, by name: for keywords, by a grammar of the words, and for all that can be said."""
+    """Return recognisers by name: for keywords, by a grammar of the words, and for all speech."""
     phones = {word: len(library.Decoder(lm=None, loglevel="FATAL").lookup_word(word).split()) for word in WORDS}
     for threshold in THRESHOLDS:
         with tempfile.NamedTemporaryFile("w", suffix=".txt") as listing:
@@ -128,7 +128,7 @@ def _by(decoder: Any) -> Hear:
 
 
 def spoken(voice: tuple[str, str], text: str) -> Sound:
-    """Return a text as a voice says it, half a second of silence around it, as loud as a tenth."""
+    """Return a text in a voice, with half a second of silence around it, at a tenth of full loudness."""
     program, name = voice
     with tempfile.NamedTemporaryFile(suffix=".wav") as file:
         if program == "flite":
@@ -143,7 +143,7 @@ def spoken(voice: tuple[str, str], text: str) -> Sound:
 
 
 def resampled(path: Path) -> Sound:
-    """Return a file's sound at the rate that is listened to; by its spectrum, so that nothing folds over."""
+    """Return a file's sound at the recognisers' rate; resampled by its spectrum, without aliasing."""
     with wave.open(str(path)) as file:
         rate, data = file.getframerate(), np.frombuffer(file.readframes(file.getnframes()), "<i2") / 32768.0
     wanted = int(len(data) * RATE_HZ / rate)
@@ -152,18 +152,18 @@ def resampled(path: Path) -> Sound:
 
 
 def mixed(sound: Sound, noise: Sound, snr_db: float) -> Sound:
-    """Return speech, a tenth loud, with noise so much softer."""
+    """Return speech of loudness 0.1 with noise at this ratio."""
     return sound + 0.1 * noise * 10 ** (-snr_db / 20)
 
 
 def hiss(count: int, chance: np.random.Generator) -> Sound:
-    """Return pink noise, one loud: fans, streets, rooms."""
+    """Return pink noise of loudness 1: fans, streets, rooms."""
     spectrum = np.fft.rfft(chance.normal(size=count))
     return _one_loud(np.fft.irfft(spectrum / np.sqrt(np.arange(len(spectrum)) + 1.0), count))
 
 
 def motors(count: int, chance: np.random.Generator) -> Sound:
-    """Return what geared motors sound like, one loud: a whine that wanders, its overtones, and rattle."""
+    """Return the noise of geared motors, of loudness 1: a whine of varying pitch, its overtones, and rattle."""
     corners = np.arange(0, count + RATE_HZ, RATE_HZ // 2)
     turns = np.cumsum(np.interp(np.arange(count), corners, chance.uniform(90, 260, len(corners))))
     phase = 2 * np.pi * turns / RATE_HZ

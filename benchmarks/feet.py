@@ -1,4 +1,5 @@
-"""Measures whether a humanoid that is stopped in mid-step stays on its feet, at random moments of each walk and stand-up.
+"""Measures whether a humanoid that is stopped in mid-step stays on its feet, at random moments of each walk and
+stand-up.
 
 `python -m benchmarks feet --n 50 --json FILE`; nothing sleeps, the same seed gives the same figures. The kernel of the
 joints operation moves the rows' simulated bodies, with noise. Beside each count: the same moments, held at once.
@@ -13,7 +14,7 @@ SMOKE = "--n 1 --only walk_ahead --alone"
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how much."""
+    """Add the amount."""
     parser.add_argument("--n", type=int, default=50, help="stops of each motion (default %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of chance (default %(default)s)")
     parser.add_argument("--only", default="", help="motions whose robot and name have this in them")
@@ -22,6 +23,6 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Stop them."""
+    """Stop the humanoids."""
     results, text = feet.measure(given.n, given.seed, given.only, beside=not given.alone, lapse=given.lapse)
     return Measured(results=results.ordered(), text=text)

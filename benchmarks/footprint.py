@@ -1,8 +1,9 @@
-"""What a whole simulated robot costs: time to ready, CPU and wake-ups while idle, private memory, process by process.
+"""The cost of a whole simulated robot: time to ready, CPU and wake-ups while idle, private memory, process by process.
 
-`python -m benchmarks footprint --seconds 20 --profile bioloid-sim`. Private memory (USS) stands beside as many processes that have a zenoh
-session and nothing else. The world and what draws its pictures are listed and left out of the sum: a real robot has
-none. The cameras are switched off first, unless `--cameras`. A humanoid stands with `--say /torque/on --settle 5`. Wake-ups are how often a thread slept and was woken. Exit code 1 if a hard value is broken: ready in 3 s.
+`python -m benchmarks footprint --seconds 20 --profile bioloid-sim`. Private memory (USS) is compared with as many
+processes that have only a zenoh session. The sum leaves out the world and its drawing process, which a real robot does
+not have. The cameras are switched off first, unless `--cameras`. A humanoid stands with `--say /torque/on --settle 5`.
+A wake-up is counted whenever a thread slept and was woken. Exit code 1 if a hard value is broken: ready in 3 s.
 """
 
 import argparse
@@ -34,7 +35,7 @@ SIMULATION = "world"
 
 
 class Cost(NamedTuple):
-    """What a process costs."""
+    """The cost of a process."""
 
     cpu_percent: float
     wakes_per_s: float
@@ -50,7 +51,7 @@ def _sum(costs: Sequence[Cost]) -> Cost:
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how long, and of what."""
+    """Add the duration, and the robot."""
     parser.add_argument("--seconds", type=float, default=20.0, help="how long it is idle (default %(default)s)")
     parser.add_argument("--profile", default="lbr-sim", help="which robot (default %(default)s)")
     parser.add_argument("--say", action="append", default=[], help="a line said to it first, such as /torque/on")
@@ -91,7 +92,7 @@ def _apart(database: Path) -> None:
 
 
 def _costs(robot: Robot, seconds: float, settle_s: float) -> dict[str, Cost]:
-    """Return what each process costs while nothing is asked of it."""
+    """Return the cost of each idle process."""
     Bench.pass_time(settle_s)
     names = _names(robot)
     before = {pid: (_cpu_s(psutil.Process(pid)), _woken(pid)) for pid in names}

@@ -1,10 +1,8 @@
-"""Measures how a newcomer's first minutes go: README's commands on Debian machines that have next to nothing, again and again.
-
-`python -m benchmarks fresh --n 10 --release bookworm trixie`, as root with mmdebstrap. Each start has a Debian of its own, of no more
-than its base system and `python3-venv`, in which an ordinary user types what README says, has the robot turn, and ends it. Wheels
-are fetched once and kept for the starts that follow. `--arch arm64` does it on an emulated processor (qemu-user-static).
-`--tests` runs README's test command as well, with these words after it: `--tests "tests/messages tests/operations"`.
-"""
+"""Measures a newcomer's first minutes: README's commands on minimal Debian machines, repeatedly. `python -m benchmarks
+fresh --n 10 --release bookworm trixie`, as root with mmdebstrap. Each start has a Debian of its own, with only the base
+system and `python3-venv`. An ordinary user types README's commands there, makes the robot turn, and ends it. Wheels are
+fetched once and kept for later starts. `--arch arm64` does it on an emulated processor (qemu-user-static). `--tests`
+runs README's test command as well, with these words after it: `--tests "tests/messages tests/operations"`."""
 
 import argparse
 import os
@@ -24,9 +22,9 @@ SMOKE = "--n 0"
 CHECKOUT = FOLDER.parent
 LINES = ("status", "/r/0.3/90", "stop", "Shutdown")
 ANSWERS = ("no emergency stop", "accepted", "stopped", "shutting down")
-"""What follows on the lines, in this order."""
+"""The expected parts of the lines, in this order."""
 SIZE = "find .venv/lib -type f ! -name '*.pyc' ! -path '*/site-packages/pip*' -printf '%s\\n' | awk '{n += $1} END {print int(n / 1e6)}'"
-"""What its environment holds, in MB; without what Python compiles, and without pip, which every environment has."""
+"""The size of its environment in MB, without Python's compiled files, and without pip, which every environment has."""
 LONGEST_S = 1800.0
 HERE = {"x86_64": "amd64", "aarch64": "arm64"}.get(os.uname().machine, os.uname().machine)
 PROMISES = {
@@ -48,11 +46,11 @@ mount -t tmpfs tmpfs "$PLACE/root/tmp"
 cd /
 exec chroot --userspec=owner:owner "$PLACE/root" /usr/bin/env HOME=/home/owner PATH=/usr/bin:/bin sh -c 'cd ~/lbr; exec bash -c "$0"' "$COMMAND"
 """
-"""Begins a start: the base stays as it is, and all that is mounted goes with the process."""
+"""The beginning of a start: the base stays as it is, and all mounts end with the process."""
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add where, and how often."""
+    """Add the machines, and the number."""
     parser.add_argument("--n", type=int, default=10, help="starts of each release (default %(default)s)")
     parser.add_argument("--release", nargs="+", default=["bookworm", "trixie"], help="Debian's names (default both)")
     parser.add_argument("--arch", default=HERE, help="Debian's name of the processor (default %(default)s)")
@@ -60,7 +58,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Make a machine of each release, and begin on it again and again."""
+    """Make a machine of each release, and start on it repeatedly."""
     results, told = Results(PROMISES), []
     if given.n and (os.geteuid() != 0 or shutil.which("mmdebstrap") is None):
         raise InputError("fresh machines need root and mmdebstrap (sudo apt install mmdebstrap)", "not_possible")
@@ -104,9 +102,9 @@ def _release(results: Results, place: Path, release: str, given: argparse.Namesp
 
 
 def _debian(base: Path, release: str, arch: str) -> None:
-    """Make a Debian of its base system, with what README says that it asks for, and an ordinary user who has a checkout."""
+    """Make a Debian with its base system, README's requirements, and an ordinary user with a checkout."""
     words = ["mmdebstrap", "--quiet", "--variant=minbase", f"--architectures={arch}"]
-    words += ['--aptopt=Acquire::Check-Valid-Until "false"']  # a mirror of a release to come may be some weeks old
+    words += ['--aptopt=Acquire::Check-Valid-Until "false"']  # a mirror of a future release may be some weeks old
     words += ["--include=ca-certificates,python3,python3-venv", release, str(base)]
     programs.run(words, check=True)
     programs.run(["chroot", str(base), "useradd", "--create-home", "--uid", "1000", "owner"], check=True)
@@ -125,7 +123,7 @@ def _debian(base: Path, release: str, arch: str) -> None:
 
 
 def _start(base: Path, cache: Path, place: Path) -> tuple[list[str], float, float, str]:
-    """Type README's run command and some lines, and look what is answered and how long the turn took to come."""
+    """Type README's run command and some lines; return the answers and the times."""
     lines = "".join(f"{line}\n" for line in LINES)
     said, times = _inside(base, cache, place, f"{command('run-command')} && {{ {SIZE}; .venv/bin/python -V; }}", lines)
     wrong, at = [], 0
@@ -141,7 +139,7 @@ def _start(base: Path, cache: Path, place: Path) -> tuple[list[str], float, floa
 
 
 def _inside(base: Path, cache: Path, place: Path, words: str, typed: str) -> tuple[str, list[tuple[str, float]]]:
-    """Run a command as the owner of a machine of its own; return what it said, and when each line of it came."""
+    """Run a command as the owner of a separate machine; return its output, and the time of each line."""
     for name in ("up", "work", "root"):
         (place / name).mkdir(parents=True)
     environment = dict(os.environ) | {"BASE": str(base), "CACHE": str(cache), "PLACE": str(place), "COMMAND": words}

@@ -1,8 +1,8 @@
-"""Throws chance at every way into a robot: console, bus, sockets, device lines, and the whole of its interface.
+"""Sends random input to every interface of a robot: console, bus, sockets, device lines, and walks through all of them.
 
-`python -m benchmarks fuzz --n 1000 --json FILE`; `--only Z1,Z5` runs a few, `--seed` makes the same inputs again.
-`--n 100000` says 100,000 lines, sends 200,000 messages and 10,000 connections, 50 MB and 500 walks of 30 steps.
-Exit code 1 if anything fell over, was wrongly accepted, or moved.
+`python -m benchmarks fuzz --n 1000 --json FILE`; `--only Z1,Z5` runs a few, `--seed` makes the same inputs again. `--n
+100000` sends 100,000 lines, 200,000 messages, 10,000 connections, 50 MB and 500 walks of 30 steps. Exit code 1 if
+anything crashed, was wrongly accepted, or moved.
 """
 
 import argparse
@@ -30,14 +30,14 @@ SCENARIOS: dict[str, tuple[Scenario, float]] = {
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how much, and of what."""
+    """Add the amount, and the scenarios."""
     parser.add_argument("--n", type=int, default=1000, help="how much, more or less (default %(default)s)")
     parser.add_argument("--only", type=listed, default=list(SCENARIOS), metavar="Z1,Z5")
     parser.add_argument("--seed", type=int, default=1, help="of chance (default %(default)s)")
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Throw, one way after the other."""
+    """Send random input, one interface after the other."""
     results = Results(PROMISES)
     one_by_one(
         results,
@@ -55,7 +55,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 
 def thinned(result: Result) -> Result:
-    """Return a result that says the same with at most a thousand samples; it still counts them all."""
+    """Return an equivalent result with at most a thousand samples; it still counts them all."""
     result.checks = result.n
     samples = sorted(result.samples)
     step = max(1, len(samples) // KEPT)

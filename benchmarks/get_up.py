@@ -13,13 +13,13 @@ SMOKE = "--n 1 --only face"
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how much."""
+    """Add the amount."""
     parser.add_argument("--n", type=int, default=20, help="falls on each side (default %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of chance (default %(default)s)")
     parser.add_argument("--only", default="", help="falls whose robot and side have this in them")
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Have them fall, and get up."""
+    """Let them fall, and get up."""
     results, text = get_up.measure(given.n, given.seed, given.only)
     return Measured(results=results.ordered(), text=text)

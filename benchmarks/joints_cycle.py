@@ -1,10 +1,11 @@
-"""How regular eighteen joints are commanded and measured, and how soon a stop is on their wire; on a simulated bus.
+"""The regularity of commands and measurements of eighteen joints, and the time until a stop is on their wire;
+simulated.
 
 `python -m benchmarks joints_cycle [--seconds 600] [--stops 60] [--json FILE]` runs the processes `servos` and `joints`
-of the Bioloid on an emulated servo bus of its own process, with a USB2AX and all the line's delays. A client commands all
-joints at 100 Hz, and reads every state; answers get lost and noise comes before them, 1 % each, and 1 % of the time
-a servo is silent. Then, in the same traffic, a second client says `joints/stop`: measured until the last byte that
-holds the last joint has crossed the line. Exit code 1 if a stop was not within 50 ms, or a joint not held.
+of the Bioloid on an emulated servo bus of its own process, with a USB2AX and all the line's delays. A client commands
+all joints at 100 Hz, and reads every state. Of the answers, 1 % get lost and 1 % have noise before them; a servo is
+silent for 1 % of the time. Then, in the same traffic, a second client sends `joints/stop`. The time is until the last
+byte that holds the last joint has crossed the line. Exit code 1 if a stop was not within 50 ms, or a joint not held.
 """
 
 import argparse
@@ -36,14 +37,14 @@ SMOKE = "--seconds 2 --stops 2"
 FAULTS = {"drop": 0.01, "garbage": 0.01}
 DEAD_EVERY_S, DEAD_S = 30.0, 0.3
 HELD_STEPS = 4
-"""A goal that changes by no more than that is held: where a joint was measured a sweep earlier or later."""
+"""A smaller change of the goal counts as holding: the goal is a measurement of one sweep earlier or later."""
 WATCH_S = 0.3
 PROMISES = {"joints stop": Promise(what="stop in full traffic, to the last joint held", target=20.0, hard=50.0)}
 SYNC_WRITE, GOAL = "83", 30
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how long, and how often."""
+    """Add the duration, and the number."""
     parser.add_argument(
         "--seconds", type=float, default=600.0, help="how long the cycle is watched (default %(default)s)"
     )
@@ -61,7 +62,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 @contextmanager
 def running(home: Path) -> Iterator[tuple[Robot, Process, Path, dict[str, tuple[float, float]]]]:
-    """Run the two processes on an emulated bus; give the robot, the bus, its log, and how far each joint may go."""
+    """Run the two processes on an emulated bus; yield the robot, the bus, its log, and each joint's range."""
     home.mkdir(mode=0o700)
     store.create(home / "robot.db")
     with sqlite3.connect(home / "robot.db") as database:
@@ -127,7 +128,7 @@ def cycle(
 def stops(
     results: Results, robot: Robot, twin: Process, log: Path, ways: dict[str, tuple[float, float]], tries: int
 ) -> dict[str, Any]:
-    """Stop again and again while everything moves."""
+    """Stop repeatedly while everything moves."""
     _tell(twin, {"faults": FAULTS})
     second = robot.as_owner()
     key = f"{robot.name}/joints/stop"
@@ -150,7 +151,7 @@ def stops(
 
 
 def held(written: list[tuple[float, dict[int, int]]], began: float, servos: int) -> tuple[float, str]:
-    """Return when the last servo was told where to stay; or why that cannot be said."""
+    """Return when the last servo got its holding goal; or why that is unknown."""
     said: dict[int, list[tuple[float, int]]] = {}
     for at, told in written:
         if began <= at <= began + WATCH_S:
@@ -167,7 +168,7 @@ def held(written: list[tuple[float, dict[int, int]]], began: float, servos: int)
 
 
 def goals(log: Path) -> list[tuple[float, dict[int, int]]]:
-    """Return when goals crossed the line, and which."""
+    """Return the goals on the line, with their times."""
     found = []
     for line in log.read_text().splitlines():
         at, code, parameters = line.split()
@@ -194,7 +195,7 @@ def _switch_on(robot: Robot) -> None:
 
 
 def _spent_s(robot: Robot) -> dict[str, float]:
-    """Return how much processor time they have had, by the process."""
+    """Return the processor time of each process so far."""
     units = [robot.capability(name) for name in ("servos", "joints")]
     times = {unit["process"] or unit["name"]: psutil.Process(unit["pid"]).cpu_times() for unit in units}
     return {name: found.user + found.system for name, found in times.items()}

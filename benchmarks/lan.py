@@ -1,4 +1,5 @@
-"""Measures how soon the motors stand when a driver on another machine is lost, and whether anything held back moves them.
+"""Measures how soon the motors stand when an operator on another machine is lost, and whether delayed messages move
+them.
 
 `python -m benchmarks lan --n 20 --json FILE`; S9 and F1 need root, for two network namespaces and a cable between them.
 Exit code 1 if a hard value is broken.
@@ -41,12 +42,12 @@ CUTS_S = (0.3, 8.0)
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how often."""
+    """Add the number."""
     parser.add_argument("--n", type=int, default=20, help="tries of each (default %(default)s)")
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Lose the driver on the other machine, again and again."""
+    """Lose the operator on the other machine, repeatedly."""
     results, dice = Results(PROMISES), random.Random(1)
     with tempfile.TemporaryDirectory(prefix="lbr-") as folder:
         near(results, Path(folder) / "near", given.n, dice)
@@ -58,7 +59,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 
 def near(results: Results, home: Path, n: int, dice: random.Random) -> None:
-    """S8, S10 and A8, with client and robot on one machine."""
+    """Run S8, S10 and A8, with client and robot on one machine."""
     with opened(prepare(home)) as door:
         for turn in range(n):
             _stop_by(results, "S8 LAN", door, MANNERS[turn % 3], lambda client: client.kill(), dice)
@@ -71,7 +72,7 @@ def near(results: Results, home: Path, n: int, dice: random.Random) -> None:
 
 
 def far(results: Results, home: Path, n: int, dice: random.Random) -> None:
-    """S9 and F1, with a cable between client and robot."""
+    """Run S9 and F1, with a cable between client and robot."""
     with network() as net, opened(prepare(home), net.address, prefix=net.robot, elsewhere=net.client) as door:
         for turn in range(n):
             _cut(results, door, net, MANNERS[turn % 3], dice)
@@ -119,7 +120,7 @@ def _cut(results: Results, door: Door, net: Network, manner: str, dice: random.R
 
 @contextmanager
 def _driven(door: Door, name: str, manner: str, dice: random.Random) -> Iterator["subprocess.Popen[str]"]:
-    """Have somebody drive from afar; what it does is up to the caller, from a moment that chance chooses."""
+    """Let a client drive from afar; the caller decides its actions, from a random moment on."""
     with door.plain(name, manner) as client:
         until(door.moving, limit_s=20.0, what="it drives")
         _wait(0.3 + dice.uniform(0.0, 0.3))
@@ -128,7 +129,7 @@ def _driven(door: Door, name: str, manner: str, dice: random.Random) -> Iterator
 
 
 def _nothing_moves(results: Results, door: Door, deliver: Callable[[], None], how: str) -> None:
-    """A client that asks again may start over, by a question of its own time; everybody else's lease is dead."""
+    """Check that delayed messages move nothing. A client that asks again may begin anew; all other leases are dead."""
     since_ns = time.monotonic_ns()
     deliver()
     _wait(STANDS_S)

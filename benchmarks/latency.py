@@ -1,9 +1,9 @@
-"""How long a console line takes to become bytes at the motor controller, and what the bus has to do with it.
+"""The time from a console line to bytes at the motor controller, and the share of the bus in it.
 
-`python -m benchmarks latency --n 500`. The robot spins at 40 % and is told to slow down in steps: less power takes
-effect at once, more of it only as fast as the slew allows. Between any two lines the same machine, in the same state,
-sends one message through a bare zenoh client - router - client chain and one through two JoinableQueue hops.
-Exit code 1 if a line took longer than the hard limit.
+`python -m benchmarks latency --n 500`. The robot spins at 40 % and slows down in steps: less power takes effect at
+once, more of it only within the slew. Between any two lines the same machine, in the same state, sends one message
+through a bare zenoh client - router - client chain and one through two JoinableQueue hops. Exit code 1 if a line took
+longer than the hard limit.
 """
 
 import argparse
@@ -35,12 +35,12 @@ MESSAGE = {"left": 0.4, "right": -0.4, "lease": "0123456789abcdef"}
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how many lines."""
+    """Add the number of lines."""
     parser.add_argument("--n", type=int, default=500, help="lines (default %(default)s)")
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Say lines, and send messages by other ways between them."""
+    """Send lines, and messages by other ways between them."""
     with bench(Results(PROMISES)) as under_test, _echo(under_test), two_hops() as queues:
         series = _measure(under_test, queues, given.n)
     results = Results(LINE)
@@ -61,7 +61,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 
 class Setpoints:
-    """Hears the setpoints where the driver hears them, at the core router, and how long each was on the bus."""
+    """Receives the setpoints in the driver's place, at the core router, with their times on the bus."""
 
     def __init__(self, under_test: Bench) -> None:
         key = keys.port(under_test.robot.name, "motors", "setpoint")
@@ -80,7 +80,7 @@ class Setpoints:
 
 
 class PingPong:
-    """A bare zenoh round trip over the robot's router, in the size of a setpoint with its stamp."""
+    """A bare zenoh round trip over the robot's router, with the size of a stamped setpoint."""
 
     def __init__(self, under_test: Bench) -> None:
         self._bus = under_test.robot.bus
@@ -145,7 +145,7 @@ def _spin(under_test: Bench) -> None:
 
 
 def _slow_down(under_test: Bench, power: float) -> tuple[float, float] | None:
-    """Say a line; return milliseconds until the controller heard the new power, and until the line was answered."""
+    """Send a line; return the milliseconds until the controller received the new power, and until the answer."""
     wanted = round(power * 1000)
     under_test.trace.read()
     at_ns = time.monotonic_ns()

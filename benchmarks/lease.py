@@ -1,8 +1,8 @@
 """Searches every world of the model to its last state, then finds every seeded error.
 
-`python -m benchmarks lease`, or `--worlds ,t,c`; exit code 1 if a property breaks, an error is not found, or no end is.
-Each letter of a world adds to two clients on the robot: t(ake-over), e(mergency stop),
-c(rashes), r(emote: the second client is on another machine), i(nsisting is noticed; without it e breaks property 7).
+`python -m benchmarks lease`, or `--worlds ,t,c`; exit code 1 if a property breaks, an error is not found, or a search
+does not end. Each letter of a world adds a feature to two clients on the robot. t: take-over. e: emergency stop. c:
+crashes. r: the second client is on another machine. i: insisting is noticed; without it, e breaks property 7.
 """
 
 import argparse
@@ -26,7 +26,7 @@ HASH_BITS = 25
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add which worlds."""
+    """Add the worlds."""
     parser.add_argument("--errors", type=int, default=len(SEEDED), help="seeded errors to find (default: all)")
     parser.add_argument(
         "--worlds",

@@ -1,7 +1,7 @@
-"""The page over a link that is not perfect: how soon the motors follow a thumb, how often they stop, and what the page shows.
+"""The page over a bad link: how soon the motors follow a thumb, how often they stop, and what the page shows.
 
-`python -m benchmarks link --moves 40 --seconds 20`. A finger holds the stick of the page in headless Chromium; a program between
-browser and robot delays what passes, loses some of it as TCP shows a loss, or lets nothing pass for half a second.
+`python -m benchmarks link --moves 40 --seconds 20`. A finger holds the stick of the page in headless Chromium. A
+program between browser and robot delays the bytes, loses some with the effect of TCP, or blocks them for half a second.
 """
 
 import argparse
@@ -33,7 +33,7 @@ LINKS = {
     "loss": (0.025, 0.02, 0.0),
     "gaps": (0.025, 0.0, 0.5),
 }
-"""The delay of one direction in seconds, the part of pieces that is lost once, and the gap every 5 s."""
+"""The delay of one direction in seconds, the share of pieces that is lost once, and the gap every 5 s."""
 WHAT = {
     "direct": "nothing between",
     "50ms": "50 ms there and back",
@@ -43,7 +43,7 @@ WHAT = {
     "gaps": "50 ms and gaps of 0.5 s",
 }
 LOOKS = 300
-"""What the page shows is read when the motors stop, or after so many looks at them."""
+"""The page is read when the motors stop, or after so many looks at them."""
 PROMISES = {
     f"LK{number} {link}": Promise(what=f"{what}: {how}", unit=unit)
     for link, how in WHAT.items()
@@ -57,7 +57,7 @@ PROMISES = {
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how long, and over which links."""
+    """Add the duration, and the links."""
     parser.add_argument("--moves", type=int, default=40, help="moves of the stick over each link (default %(default)s)")
     parser.add_argument("--seconds", type=float, default=20.0, help="how long it is held (default %(default)s)")
     parser.add_argument("--links", type=listed, default=list(LINKS), help="such as 50ms,gaps")
@@ -101,12 +101,12 @@ def slowed(url: str, link: str) -> Iterator[int]:
 
 
 class Drive(Stage):
-    """A page that drives over a link, which may leave it a part of its speed."""
+    """A page that drives over a link, which may reduce its speed."""
 
     moving = 0.05
 
     def drive(self, link: str, moves: int, seconds: float) -> str:
-        """Move the stick, hold it, let go; return what the page showed meanwhile."""
+        """Move the stick, hold it, release it; return the page's texts meanwhile."""
         page = self._opened()
         self._grip(page)
         self._follow(page, link, moves)

@@ -1,8 +1,8 @@
-"""Holds the drive kernel against its model through long seeded histories: K2. Nothing sleeps, nothing asks for the time.
+"""Compares the drive kernel with its model over long seeded histories: K2. It neither sleeps nor reads the time.
 
 `python -m benchmarks long_simulation --steps 10000000 --seed 1`; the same seed gives the same trace hash, anywhere.
 `--seeds 100` runs seeds 1 to 100 in as many processes as there are cores. After a violation, `--replay SEED --until
-STEP` shows what led to it. Exit code 1 on a violation.
+STEP` shows its history. Exit code 1 on a violation.
 """
 
 import argparse
@@ -23,7 +23,7 @@ PROMISES = {"K2": Promise(what="seeds of long histories in which the kernel does
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how much, or what to look at again."""
+    """Add the amount, or a history to replay."""
     parser.add_argument("--steps", type=int, default=1_000_000, help="events for each seed (default %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="the first seed (default %(default)s)")
     parser.add_argument("--seeds", type=int, default=1, metavar="N", help="this many seeds, in processes of their own")
@@ -35,7 +35,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Let the seeds live."""
+    """Run the seeds."""
     if given.replay is not None:
         return Measured(text="\n".join(replay(given.replay, given.until or given.steps, given.kernel)))
     results, text = Results(PROMISES), []

@@ -1,8 +1,9 @@
-"""Measures how soon the wheels stand when an agent's program is gone, and counts unsafe calls of agents that were obeyed.
+"""Measures how soon the wheels stand when an agent's program is gone, and counts unsafe calls that were obeyed.
 
-`python -m benchmarks mcp --n 50`. One robot serves agents that are the official client of MCP, by a pipe and over HTTP with TLS
-and a token, in the newest protocol and in the one before. They are killed, frozen and thawed, or cancel their call; as root
-also the cable between them and the robot is pulled and plugged in again. Whatever turns later without a new call has resumed.
+`python -m benchmarks mcp --n 50`. One robot serves agents with the official client of MCP, by a pipe and over HTTP with
+TLS and a token, in the newest protocol and in the one before. They are killed, frozen and thawed, or cancel their call.
+As root, the cable between them and the robot is also pulled and plugged in again. A wheel that turns later without a
+new call counts as resumed.
 """
 
 import argparse
@@ -60,7 +61,7 @@ KEYS = ("lease", "take_over", "ttl_s", "key", "role", "token", "distance_cm", "i
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how many."""
+    """Add the number."""
     parser.add_argument("--n", type=int, default=10, help="of each way to be gone (default %(default)s)")
     parser.add_argument("--calls", type=int, default=1000, help="unsafe calls (default %(default)s)")
     parser.add_argument("--ends", nargs="+", choices=ENDS, default=ENDS, help="which (default: all)")
@@ -69,7 +70,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Run agents and end them, then have one ask for what it must not."""
+    """Run agents and end them, then let one make forbidden calls."""
     results, dice = Results(PROMISES), random.Random(given.seed)
     if reason := why_not():
         print(f"no cable is pulled: {reason}", file=sys.stderr)
@@ -96,7 +97,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 
 class Agent:
-    """An agent's program, which is ended again and again, and started anew once it was killed."""
+    """An agent's program, which is ended repeatedly, and restarted after a kill."""
 
     def __init__(
         self, under_test: Bench, way: str, mode: str, argv: list[str], net: Network | None, **more: str
@@ -110,8 +111,10 @@ class Agent:
         self._start()
 
     def go(self, end: str) -> bool:
-        """Have it drive, and end that; measure until the motors are at zero, and whether they stay there. False if the
-        machine had stopped them before."""
+        """Let it drive, and end that; measure until the motors are at zero, and whether they stay there.
+
+        Return False if the machine had stopped them before.
+        """
         if end == "cut" and (self._net is None or self._way == "pipe"):
             return True
         figure = f"M {end} {self._way} {MODES[self._mode][:4]}"
@@ -158,7 +161,7 @@ class Agent:
         self._calls, self._rest = True, b""
 
     def _drives(self) -> bool:
-        """Have it call `drive` until the motors turn at 40 %: the base is not armed at once after each end."""
+        """Let it call `drive` until the motors turn at 40 %: the base is not armed at once after each end."""
         until_s = time.monotonic() + GIVES_UP_S
         while time.monotonic() < until_s:
             if self._calls and not self._answered(until_s - time.monotonic()):
@@ -173,7 +176,7 @@ class Agent:
         return False
 
     def _answered(self, limit_s: float) -> bool:
-        """Wait for the answer to its last call; false if none comes, or its program has ended."""
+        """Wait for the answer to its last call; return False if none comes, or its program has ended."""
         assert self._popen.stdout is not None
         until_s = time.monotonic() + limit_s
         while select.select([self._popen.stdout], [], [], max(0.0, until_s - time.monotonic()))[0]:
@@ -188,13 +191,13 @@ class Agent:
 
     def _say(self, line: str) -> None:
         assert self._popen.stdin is not None
-        with suppress(BrokenPipeError):  # it has ended, and so gives no answer
+        with suppress(BrokenPipeError):  # it has ended, so it gives no answer
             os.write(self._popen.stdin.fileno(), f"{line}\n".encode())
 
 
 @contextmanager
 def _agents(under_test: Bench, ways: list[str], url: str, net: Network | None) -> Iterator[list[Agent]]:
-    """Run an agent for each way and protocol; those over HTTP have a token, and trust the robot's certificate alone."""
+    """Run an agent for each way and protocol; those over HTTP have a token, and trust only the robot's certificate."""
     home = under_test.robot.home
     token = add_token(home, "agent", "operate", good_for="web")
     pinned = {"LBR_TOKEN": str(token), "LBR_CA": str(home / "credentials" / "bus.crt")}
@@ -211,7 +214,7 @@ def _agents(under_test: Bench, ways: list[str], url: str, net: Network | None) -
 
 
 def _unsafe(under_test: Bench, count: int, dice: random.Random) -> dict[str, int]:
-    """Have an agent make unsafe calls; return how often it was answered by which code."""
+    """Let an agent make unsafe calls; return the number of answers by code."""
     began_ns = time.monotonic_ns()
     codes, obeyed = asyncio.run(_calls(robot.environment(under_test.robot.home), count, dice))
     under_test.trace.read()

@@ -1,4 +1,4 @@
-"""Counts the figures of the drive kernel at their full amount.
+"""Counts the figures of the drive kernel in full.
 
 `python -m benchmarks motion --only F2,F3 --share 0.1`; exit code 1 if anything was violated.
 """
@@ -30,7 +30,7 @@ SEQUENCES, STEPS = 2_000, 40
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how much."""
+    """Add the amount."""
     parser.add_argument("--only", type=listed, default=[*FIGURES, "F5"], metavar="F1,F5")
     parser.add_argument("--share", type=float, default=1.0, help="of the full amount (default %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of chance (default %(default)s)")

@@ -1,11 +1,12 @@
-"""Measures what the tests find of small faults in the code that stops, limits, lends, decodes and stores.
+"""Measures the share of small faults that the tests find, in the code that stops, limits, lends, decodes and stores.
 
-`python -m benchmarks mutants --each 16`. So many faults are drawn for each part: an operator turned, a bound moved, a check or a
-step left out. Each is put into a copy of this tree alone, and the tests that run its line are run on it, the quickest first, until
-one fails. Which tests run a line is measured before, once for each part, without those that need a whole robot; a fault that they
-do not find is tried on the part's tests with real processes (`--robots`). Faults that change nothing that anyone could see stand
-in `instruments/equal_mutants.toml`, each with its reason. A fault that only time has found (a test or the whole run took too long)
-is told, since a busy machine does that too: `--again FILE` tries those and what nothing found once more, `--by TEST,…` quickly.
+`python -m benchmarks mutants --each 16`. So many faults are drawn for each part: a changed operator or bound, a missing
+check or step. Each is put into a copy of this tree by itself. The tests that run its line then run on it, the quickest
+first, until one fails. The tests of each line are measured before, once for each part, without those that need a whole
+robot. A fault that they do not find is tried on the part's tests with real processes (`--robots`). Faults without any
+visible effect are in `instruments/equal_mutants.toml`, each with its reason. A fault that was only found by time (a
+test or the whole run took too long) is reported, since a busy machine does the same. `--again FILE` tries those and the
+unfound ones once more, `--by TEST,…` quickly.
 """
 
 import argparse
@@ -42,11 +43,11 @@ LEFT_OUT = shutil.ignore_patterns(".git", ".venv", "node_modules", "__pycache__"
 LONGEST_S = 120.0
 """A fault whose tests have not ended by then has stopped something: it is found."""
 QUICK_S = 60.0
-"""The tests of one fault are the quickest of those that run its line, so many seconds of them."""
+"""The tests of one fault are the quickest that run its line, up to so many seconds."""
 
 
 class Part(Struct, frozen=True):
-    """A part of the code, and the tests that belong to it: in one process, and with real ones."""
+    """A part of the code, and its tests: in one process, and with real ones."""
 
     code: tuple[str, ...]
     tests: tuple[str, ...]
@@ -105,28 +106,28 @@ PROMISES = {
 EQUALS = "(equal)"
 NOT_ENDED = "(did not end)"
 SLOW = (NOT_ENDED, "(ended", "Timeout", "ERROR: not found")
-"""What a busy machine may say, too, or a test that is no longer called so."""
+"""Results that a busy machine, or a renamed test, also gives."""
 
 
 class Outcome(Struct):
-    """What became of one fault."""
+    """The result of one fault."""
 
     part: str
     fault: str
     line: int
     operator: str
     found_by: str
-    """The test that failed, and why; empty if none did."""
+    """The test that failed, and why; empty without one."""
     tests: int
 
     @property
     def found(self) -> bool:
-        """Whether a test failed."""
+        """Return whether a test failed."""
         return self.found_by not in {"", EQUALS}
 
     @property
     def doubtful(self) -> bool:
-        """Whether only time tells of the fault."""
+        """Return whether only time has found the fault."""
         return any(word in self.found_by for word in SLOW)
 
 
@@ -140,7 +141,7 @@ class Trial:
         self._free = list(self.trees)
 
     def measure(self, part: Part) -> tuple[coverage.CoverageData, dict[str, float]]:
-        """Run a part's tests in one process; return which of them ran which line, and what each took."""
+        """Run a part's tests in one process; return the tests by line, and their durations."""
         tree = self.trees[0]
         times, data = tree / "times.json", tree / ".coverage"
         data.unlink(missing_ok=True)
@@ -159,7 +160,7 @@ class Trial:
         return found, json.loads(times.read_text())
 
     def run(self, mutant: Mutant, tests: list[str]) -> str:
-        """Return the first test that fails on a fault; empty if none does."""
+        """Run tests on a fault; return the first that fails, empty without one."""
         tree = self._free.pop()
         target = tree / mutant.path
         source = target.read_text()
@@ -195,7 +196,7 @@ class Trial:
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how many faults of which parts."""
+    """Add the number of faults, and the parts."""
     parser.add_argument("--each", type=int, default=16, help="faults of each part (16)")
     parser.add_argument("--parts", type=listed, default=list(PARTS), help=f"which, of {','.join(PARTS)}")
     parser.add_argument("--seed", type=int, default=1, help="which faults are drawn (1)")
@@ -211,7 +212,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Draw faults, try each, and count those found by part."""
+    """Draw faults, try each, and count the found ones by part."""
     equal = tomllib.loads(EQUAL.read_text())
     known = [one for path in given.again for one in msgspec.json.decode(path.read_bytes(), type=list[Outcome])]
     outcomes: list[Outcome] = []
@@ -229,7 +230,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 
 def faults_of(name: str) -> list[Mutant]:
-    """Return every fault that a part may have."""
+    """Return every possible fault of a part."""
     paths = sorted({str(path.relative_to(ROOT)) for pattern in PARTS[name].code for path in ROOT.glob(pattern)})
     return [mutant for path in paths for mutant in mutants(ROOT, path)]
 
@@ -243,7 +244,7 @@ def _drawn(trial: Trial, name: str, given: argparse.Namespace, equal: dict[str, 
 def _again(
     trial: Trial, name: str, given: argparse.Namespace, before: list[Outcome], equal: dict[str, str]
 ) -> list[Outcome]:
-    """Try what nothing or only time had found; of the others the answer stays."""
+    """Try the faults that nothing or only time had found; the other results stay."""
     known = {(mutant.name, mutant.line): mutant for mutant in faults_of(name)}
     open_ = [known[one.fault, one.line] for one in before if one.doubtful or not one.found_by]
     new = {(one.fault, one.line): one for one in (_tried(trial, name, given, open_, equal) if open_ else [])}
@@ -275,7 +276,7 @@ def _tests(tree: Path, mutant: Mutant, lines: coverage.CoverageData, took_s: dic
     """Return the tests that run a fault's lines, the quickest first; then the others, whose programs may run them."""
     by_line = lines.contexts_by_lineno(str(tree / mutant.path))
     contexts = {context for line in range(mutant.line, mutant.end_line + 1) for context in by_line.get(line, [])}
-    if contexts == {""}:  # it runs when the module is imported: whatever uses the module may tell
+    if contexts == {""}:  # it runs when the module is imported: every user of the module may find it
         contexts = {context for every in by_line.values() for context in every}
     running = {context.split("|")[0] for context in contexts} & took_s.keys()
     return [*_quickest(running, took_s), *_quickest(took_s.keys() - running, took_s)]
@@ -292,7 +293,7 @@ def _quickest(tests: AbstractSet[str], took_s: dict[str, float]) -> list[str]:
 
 
 def _there(tree: Path, tests: tuple[str, ...]) -> list[str]:
-    """Return those of these tests that there are."""
+    """Return the existing ones of these tests."""
     modules = [str(path.relative_to(tree)) for path in sorted((tree / "tests").rglob("*"))]
     return sorted({path for pattern in tests for path in modules if fnmatch(path, pattern)})
 

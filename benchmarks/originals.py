@@ -1,7 +1,7 @@
-"""Runs the first lbr's own tables by its state machine on the simulated robot, start after start: do they come to their ends?
+"""Runs the first lbr's own tables by its state machine on the simulated robot, repeatedly: do they reach their ends?
 
-`python -m benchmarks originals --n 10`. `autodock` runs in a room whose walls and dock are where its table expects them, and
-with a back rule that lets the robot as near to the wall behind the dock as that table does.
+`python -m benchmarks originals --n 10`. `autodock` runs in a room with walls and dock as its table expects them. Its
+back rule permits the robot the same distance to the wall behind the dock as that table.
 """
 
 import argparse
@@ -24,7 +24,7 @@ PROMISES = {name: Promise(what=f"runs of the first lbr's {file} that ended well"
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how often, and which tables."""
+    """Add the number, and the tables."""
     parser.add_argument("--n", type=int, default=10, help="runs of each table (default %(default)s)")
     parser.add_argument("--tables", default=",".join(TABLES), help="which (default %(default)s)")
 
@@ -57,7 +57,7 @@ def _end(name: str) -> str:
 
 
 def _last_motion(robot: Robot) -> str:
-    """Return how the newest motion ended, and how busy the machine is."""
+    """Return how the newest motion ended, and the load of the machine."""
     ends = [event["text"] for event in robot.events() if event["kind"] == "holder" and "lost" in event["text"]]
     return f"{ends[-1] if ends else 'no motion'} (load {os.getloadavg()[0]:.0f})"
 

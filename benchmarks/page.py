@@ -1,9 +1,9 @@
-"""The page in a real browser: how soon the motors follow a thumb, and stand when the page is lost; what it loads and costs.
+"""The page in a real browser: how soon the motors follow a thumb, and stand when the page is lost; its size and cost.
 
 `python -m benchmarks page --n 25 --moves 300`. A finger pushes the stick of the page in headless Chromium, on a phone's
-screen; the motors' bytes tell when. PG4 needs root, for two network namespaces and a cable between them. `--only PG1,PG3`
-measures these alone. Ten pages look by their sockets alone: as many browsers would want a machine of their own.
-Exit code 1 if a hard value is broken.
+screen; the times are those of the motors' bytes. PG4 needs root, for two network namespaces and a cable between them.
+`--only PG1,PG3` measures these alone. Ten pages only look, as bare sockets: so many browsers would need a machine of
+their own. Exit code 1 if a hard value is broken.
 """
 
 import argparse
@@ -61,15 +61,15 @@ ROLES = {"phone": "operate", "left": "view", "right": "view"}
 MOVING = 0.3
 STANDS_S = 2.0
 PULLED_MS = 50.0
-"""Between two moments in which a program pulls the cable; it is counted from the first."""
+"""The time between two moments in which a program pulls the cable; it counts from the first."""
 LATER_S = 0.4
 PAGES, RATE_HZ = 10, 30.0
 TRIES = 12
-"""A machine that is kept busy starves a browser, whose motion lapses; then the thumb pushes again."""
+"""A busy machine starves a browser, whose lease then expires; the thumb pushes again."""
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how often, and what."""
+    """Add the number, and the figures."""
     parser.add_argument("--n", type=int, default=25, help="losses of each kind (default %(default)s)")
     parser.add_argument("--moves", type=int, default=300, help="moves of the stick (default %(default)s)")
     parser.add_argument(
@@ -79,7 +79,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Drive by the page, lose it, load it, and look at it ten times."""
+    """Drive by the page, lose it, load it, and look at it with ten others."""
     results, dice = Results(PROMISES), random.Random(1)
     if why := launched.why_not():
         print(f"nothing is measured: {why}", file=sys.stderr)
@@ -109,7 +109,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 
 class Stage:
-    """A robot, browsers that drive it, and what is measured."""
+    """A robot, browsers that drive it, and the measurements."""
 
     moving = MOVING
     """The power from which a motor counts as turning after a push."""
@@ -132,7 +132,7 @@ class Stage:
         self.url = url or f"{robot.web}/#drive"
 
     def load(self, n: int) -> None:
-        """PG6 and PG7: open it in a browser that has nothing of it."""
+        """PG6 and PG7: open it in a browser with an empty cache."""
         self._opened().page.context.close()  # a browser's own first page costs more than any other
         for _ in range(n):
             one = self.browsers.open()
@@ -146,7 +146,7 @@ class Stage:
             one.page.context.close()
 
     def move(self, n: int) -> None:
-        """PG1: move the stick, and see the first bytes that differ."""
+        """PG1: move the stick, and find the first changed bytes."""
         one, way, done = self._driving(), 1.0, 0
         while done < n:
             way = self.dice.choice([0.95, 0.85, 0.75, 0.65] if way <= 0.6 else [0.6, 0.5, 0.42])
@@ -173,7 +173,7 @@ class Stage:
             one.page.context.close()
 
     def freeze(self, n: int) -> None:
-        """PG5: have all of the browser stand still, and go on later: nothing moves by itself then."""
+        """PG5: freeze the browser, and continue it later: nothing moves by itself then."""
         one = self._driving()
         for turn in range(n):
             if turn:
@@ -219,7 +219,7 @@ class Stage:
         self._end(one)
 
     def pair(self, n: int) -> None:
-        """PG8: open what the code of `pair` says, as a phone's camera does, and push."""
+        """PG8: open the address of the code of `pair`, like a phone's camera, and push."""
         for _ in range(n):
             url = self.robot.line("pair")["data"]["url"]
             began = time.monotonic()
@@ -230,7 +230,7 @@ class Stage:
             self._end(one)
 
     def look(self, seconds: float, rounds: int) -> None:
-        """PG9 and PG10: a page drives, in turns with nine others that look and with none."""
+        """PG9 and PG10: a page drives, in turns with nine that look and without them."""
         web = psutil.Process(self.robot.capability("web")["pid"])
         alone: list[float] = []
         among: list[float] = []
@@ -263,7 +263,7 @@ class Stage:
         return one
 
     def _driving(self) -> OpenPage:
-        """Have a page drive the robot round."""
+        """Let a page drive the robot in circles."""
         one = self._opened()
         self._grip(one)
         return one
@@ -290,7 +290,7 @@ class Stage:
     # what the motors did
 
     def _fault(self) -> int:
-        """Let a random part of the page's rhythm pass; return the moment."""
+        """Wait for a random part of the page's period; return the time."""
         Bench.pass_time(self.dice.uniform(0.0, 0.25))
         return time.monotonic_ns()
 
@@ -304,14 +304,14 @@ class Stage:
             self.results.sample(figure, (zero.at_ns - at) * 1e-6)
 
     def _rests(self, figure: str, since: int) -> None:
-        """See that nothing moves by itself."""
+        """Check that nothing moves by itself."""
         Bench.pass_time(LATER_S)
         self.trace.read()
         moved = [line.text for line in self.trace.lines(since) if line.moves]
         self.results.check(figure, [f"it moved by itself afterwards: {moved[0]}"] if moved else [])
 
     def _steady(self) -> None:
-        """Wait until the motors are told the same for a while."""
+        """Wait until the motors' power stays the same for a while."""
         end = time.monotonic() + 2.0
         while time.monotonic() < end:
             self.trace.read()
@@ -342,7 +342,7 @@ class Stage:
 
 
 def far(results: Results, dice: random.Random, home: Path, n: int) -> None:
-    """PG4: drive from another machine, and pull the cable; what is delivered later moves nothing."""
+    """PG4: drive from another machine, and pull the cable; messages that are delivered later move nothing."""
     if why := netns.why_not():
         print(f"PG4 is left out: {why}", file=sys.stderr)
         return
@@ -356,7 +356,7 @@ def far(results: Results, dice: random.Random, home: Path, n: int) -> None:
 
 @contextmanager
 def page_robot(home: Path, *edits: str, **options: Any) -> Iterator[tuple[Robot, dict[str, str]]]:
-    """Run a robot that serves its page, with tokens for who drives and who looks."""
+    """Run a robot that serves its page, with tokens for driving and for looking."""
     prepare(home, "web", edits=(*EDITS, *edits))
     tokens = {name: str(add_token(home, name, role, good_for="web")) for name, role in ROLES.items()}
     with running(home, **options) as robot:

@@ -1,10 +1,10 @@
-"""A command's way from a plain client to the motor controller's bytes, stage by stage, beside bare Zenoh's.
+"""The stages of a command from a plain client to the motor controller's bytes, compared with bare Zenoh.
 
-`python -m benchmarks path --n 300`. The shipped robot and three programs of zenoh-python alone, which do the same work
-through a router of their own and have the same rank (`instruments/bare.py`), get commands in turns: the robot spins and is told to do so ever
-slower, which takes effect at once. A way ends when the driver's bytes are written. Then the same beside pictures and
-streams at 100 Hz on both buses; then what 20 commands a second cost; then a stream at 1 kHz. Where rospy and dora
-are asked for, they are told as skipped: neither is installed with lbr.
+`python -m benchmarks path --n 300`. The shipped robot gets commands in turns with three programs of zenoh-python alone,
+which do the same work through a router of their own and have the same rank (`instruments/bare.py`). The robot spins,
+and each command slows it down, which takes effect at once. A way ends when the driver's bytes are written. Then the
+same beside pictures and streams at 100 Hz on both buses; then the cost of 20 commands a second; then a stream at 1 kHz.
+rospy and dora are reported as skipped if they are requested: neither is installed with lbr.
 """
 
 import argparse
@@ -44,9 +44,9 @@ MOST, STEP = 400, 10
 PERIOD_S = 0.05
 GIVE_UP_S = 0.5
 LEAST_HEARD = 50
-"""Of a stream: fewer tell nothing."""
+"""The least number of messages of a stream: fewer give no figure."""
 SAME_S = 0.4
-"""So long a command of another power is looked for."""
+"""The time to wait for a command of another power."""
 EDITS = (
     "INSERT INTO capability (robot, name, kind, settings) VALUES ('lbr', 'hop_source', 'hop_source', '{}')",
     "INSERT INTO capability (robot, name, kind, settings) VALUES ('lbr', 'hop_sink', 'hop_sink', '{}')",
@@ -69,7 +69,7 @@ APART = "UPDATE capability SET process = '' WHERE robot = 'lbr'"
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how much."""
+    """Add the amount."""
     parser.add_argument("--n", type=int, default=300, help="commands of each way (default %(default)s)")
     parser.add_argument("--seconds", type=float, default=10.0, help="of processor time and of the stream")
     parser.add_argument("--calm", action="store_true", help="leave out what is beside pictures and streams")
@@ -78,7 +78,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Run both side by side."""
+    """Run both in turns."""
     text: list[str] = []
     broken: list[str] = []
     with ExitStack() as stack:
@@ -124,7 +124,7 @@ class _Client:
         self._session.close()
 
     def ask(self, power: int) -> bool:
-        """Send a command, `power` in thousandths; say whether it was accepted."""
+        """Send a command, `power` in thousandths; return whether it was accepted."""
         command = {"power": power / 1000, "angle_deg": 90.0, "ttl_s": 1.0, "lease": self._lease, "take_over": True}
         payload = json.dumps(command)
         at_ns = time.monotonic_ns()
@@ -139,7 +139,7 @@ class _Client:
         return True
 
     def hold(self, power: int, seconds: float) -> None:
-        """Ask again and again until it stays accepted for so long."""
+        """Repeat a command until it stays accepted for so long."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             if not self.ask(power):
@@ -148,13 +148,13 @@ class _Client:
 
 
 def _rank_alike(pairs: Iterable[tuple[int, int]]) -> None:
-    """Give each process of the second kind the rank that the kernel's scheduler has for the first."""
+    """Give each process of the second kind the scheduler's rank of the first."""
     for like, other in pairs:
         Rank(other).set(os.getpriority(os.PRIO_PROCESS, like))
 
 
 def _ways(clients: list[_Client], n: int, folder: Path, where: str, broken: list[str]) -> list[str]:
-    """Have each client send its commands, in turns, and tell of their ways."""
+    """Let each client send its commands, in turns, and return a table of their ways."""
     for client in clients:
         client.ways.clear()
         client.answers_ms.clear()
@@ -208,7 +208,7 @@ def _spans(ways: list[Way], begin: str, end: str) -> list[float]:
 
 
 def _ramp(clients: list[_Client], folder: Path) -> None:
-    """Bring all up to speed, then let each ask for less in turns, and read what the stages were."""
+    """Bring all up to speed, then let each ask for less in turns, and read the stages."""
     for client in clients:
         client.hold(MOST, 0.0)
     holding = time.monotonic() + SAME_S
@@ -231,7 +231,7 @@ def _ramp(clients: list[_Client], folder: Path) -> None:
 
 
 def _way(stages: Stages, at_ns: int, _answered_ns: int, power: int) -> Way:
-    """Return when a command was where; nothing if it was not seen to come through."""
+    """Return the times of a command's stages; empty if it was not seen to arrive."""
     limit = at_ns + int(GIVE_UP_S * 1e9)
     written = stages.first("written", at_ns, power, limit)
     sent = stages.first("sent", at_ns, power, limit)
@@ -244,7 +244,7 @@ def _way(stages: Stages, at_ns: int, _answered_ns: int, power: int) -> Way:
             way[stage] = before = found
     given = stages.first("given", sent, power, limit)
     if given is not None:
-        way["given"] = min(given, way.get("heard", given))  # within one process it is heard before all is handed over
+        way["given"] = min(given, way.get("heard", given))  # within one process it arrives before all is handed over
     before = sent
     for stage in ("decided", "decoded", "woken", "arrived"):
         if (found := stages.last(stage, before)) is not None and found > at_ns:
@@ -253,7 +253,7 @@ def _way(stages: Stages, at_ns: int, _answered_ns: int, power: int) -> Way:
 
 
 def _cost(ours: _Client, theirs: _Client, robot: Robot, other: "_Bare", seconds: float) -> list[str]:
-    """Tell what each graph takes of a core, at rest and at twenty commands a second."""
+    """Return the share of a core that each graph takes, at rest and at twenty commands a second."""
     units = _units(robot)
     graphs = {
         "lbr: executive, drive, motors": sorted({robot.popen.pid, units["drive"], units["motors"]}),
@@ -287,7 +287,7 @@ def _shares(graphs: dict[str, list[int]], seconds: float, once: Callable[[], Non
 
 
 def _stream(seconds: float, broken: list[str]) -> list[str]:
-    """Send a thousand messages a second both ways at once, and tell how old they are when they are dealt with."""
+    """Send a thousand messages a second both ways at once, and return their ages at their processing."""
     with ExitStack() as stack:
         place = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="lbr-")))
         home = prepare(place / "h", edits=EDITS)
@@ -353,7 +353,7 @@ class _Bare:
 
 @contextmanager
 def _bare(place: Path) -> Iterator[_Bare]:
-    """Run router, drive and motors, with something near told at 20 Hz, and read what comes on the line."""
+    """Run router, drive and motors, with an obstacle published at 20 Hz, and read the line."""
     endpoint = f"unixsock-stream/{place}/bare"
     folder = place / "stages" / "bare"
     folder.mkdir(parents=True, exist_ok=True)
@@ -383,7 +383,7 @@ def _drain(master: int) -> None:
 
 @contextmanager
 def _program(role: str, endpoint: str, *more: str, stages: Path | None = None) -> Iterator[Any]:
-    """Run one of the programs, until it is no longer wanted."""
+    """Run one of the programs, until it is no longer needed."""
     environment = os.environ | {"PYTHONPATH": str(FOLDER.parent)}
     environment.pop("ZENOH_RUNTIME", None)
     if stages is not None:
@@ -403,7 +403,7 @@ def _program(role: str, endpoint: str, *more: str, stages: Path | None = None) -
 
 @contextmanager
 def _robot(home: Path, place: Path, *, apart: bool) -> Iterator[Robot]:
-    """Run the shipped base, whose processes note stages; `apart`, drive and motor driver have one each."""
+    """Run the shipped base, whose processes note stages; `apart`: drive and motor driver have a process each."""
     folder = place / "stages" / "lbr"
     folder.mkdir(parents=True)
     paths = os.pathsep.join((str(FOLDER / "instruments" / "staged"), str(FOLDER.parent)))
@@ -427,7 +427,7 @@ def _plain(endpoint: str) -> zenoh.Config:
 
 
 def _owner(robot: Robot) -> zenoh.Config:
-    """Return how its owner comes in at the core, past the local door."""
+    """Return its owner's connection to the core, past the local door."""
     running = json.loads((robot.home / "run" / f"{robot.name}.json").read_text())
     config = bare.settings("client", running["core"])
     config.insert_json5("transport/auth/usrpwd", json.dumps({"user": TOOLS, "password": running["password"]}))

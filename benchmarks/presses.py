@@ -1,6 +1,6 @@
 """Presses the emergency stop of each robot, at rest and in mid-motion: is it acknowledged, and after how long?
 
-`python -m benchmarks presses --n 20`. A press that is answered as an alarm breaks the figure: the robots are healthy.
+`python -m benchmarks presses --n 20`. An answer that raises an alarm breaks the figure: the robots are healthy.
 """
 
 import argparse
@@ -18,7 +18,7 @@ from tests.support.waiting import until
 
 SMOKE = "--n 1 --robots lbr"
 MOTIONS = {"lbr": ("", "/r/0.4/0"), "bioloid": ("/torque/on", "/play/wave"), "uxa90": ("", "/play/walk_forward_6step")}
-"""What each is told first, and how it is in motion then."""
+"""The first line for each robot, and the line of its motion."""
 PROMISES = {
     f"{name} {how}": Promise(what=f"emergency stop of {name} pressed {how}, to its acknowledgement")
     for name in MOTIONS
@@ -29,13 +29,13 @@ START_S = 60.0
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how often, and which robots."""
+    """Add the number, and the robots."""
     parser.add_argument("--n", type=int, default=20, help="presses of each, both ways (default %(default)s)")
     parser.add_argument("--robots", default=",".join(MOTIONS), help="which (default %(default)s)")
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Press, reset, and again."""
+    """Press, reset, and repeat."""
     results = Results(PROMISES)
     for name in given.robots.split(","):
         with tempfile.TemporaryDirectory(prefix="lbr-presses-") as place:
@@ -69,7 +69,7 @@ def press(robot: Robot, results: Results, figure: str, number: int) -> None:
 
 
 def keep(robot: Robot, motion: str) -> None:
-    """Go on with a motion until something ends it; what was reset just now is armed in a moment."""
+    """Continue a motion until something ends it; after a reset, the base is armed in a moment."""
     try:
         until(lambda: robot.line(motion)["hold"], limit_s=10.0, what=motion)
         ended = robot.move(motion, 60.0)

@@ -1,4 +1,4 @@
-"""Measures how near to the range that was asked for the base rests: in lockstep, and with the whole robot.
+"""Measures how near to the requested range the base comes to rest: in lockstep, and with the whole robot.
 
 `python -m benchmarks ranges --rounds 4 --stops 20`. Between two walls, ahead and back, by the sonar that leads and by the
 one that follows. Exit code 1 if a move to a range did not end reached.
@@ -32,7 +32,7 @@ STANDS_MPS = 1e-3
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how much."""
+    """Add the amount."""
     parser.add_argument(
         "--rounds", type=int, default=4, help="of all stops and powers in lockstep (default %(default)s)"
     )

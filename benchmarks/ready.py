@@ -1,7 +1,7 @@
-"""Asks each robot for its first motion at the very line that says it is ready, start after start, idle and beside busy loops.
+"""Asks each robot for its first motion as soon as it reports ready, repeatedly, idle and beside busy loops.
 
-`python -m benchmarks ready --n 20 --loops 2`. A first command that is refused breaks the figure, and so does a robot that
-is called ready while something that moves is not.
+`python -m benchmarks ready --n 20 --loops 2`. A refused first command breaks the figure, and so does a robot that is
+ready while one of its movers is not.
 """
 
 import argparse
@@ -22,7 +22,7 @@ PROMISES = {
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how often, beside what, and which robots."""
+    """Add the number, the load, and the robots."""
     parser.add_argument("--n", type=int, default=20, help="starts of each robot (default %(default)s)")
     parser.add_argument("--loops", type=int, default=0, help="busy loops beside them (default %(default)s)")
     parser.add_argument("--robots", default="lbr,bioloid,uxa90", help="which (default %(default)s)")

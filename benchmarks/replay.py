@@ -1,7 +1,8 @@
-"""Measures whether a recording with lines, run again through the real drivers, does as it was recorded, on three robots.
+"""Measures whether a recording with lines gives the same result when it runs again through the real drivers, on three
+robots.
 
-`python -m benchmarks replay --n 20 --robots lbr,bioloid,uxa90`. Each try records a robot that does random things, and checks
-that recording. Exit code 1 if one of them was otherwise.
+`python -m benchmarks replay --n 20 --robots lbr,bioloid,uxa90`. Each try records a robot with random actions, and
+checks that recording. Exit code 1 if one of them differs.
 """
 
 import argparse
@@ -37,7 +38,7 @@ MOTIONS = {
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how many, and of which robots."""
+    """Add the number, and the robots."""
     parser.add_argument("--n", type=int, default=20, help="recordings of each robot (default %(default)s)")
     parser.add_argument("--seconds", type=float, default=8.0, help="of each recording (default %(default)s)")
     parser.add_argument("--robots", type=listed, default=["lbr", "bioloid", "uxa90"], metavar="lbr,bioloid,uxa90")
@@ -88,7 +89,7 @@ def _recorded(robot: Robot, name: str, seconds: float, dice: random.Random) -> s
                     _something(found, robot.name, dice)
                 except RefusalError as err:
                     print(f"refused: {err}", file=sys.stderr)
-                time.sleep(dice.uniform(0.3, 0.8))  # as a person does
+                time.sleep(dice.uniform(0.3, 0.8))  # like a person
         time.sleep(0.5)
         said.send_signal(signal.SIGINT)
         said.communicate(timeout=20)
@@ -114,7 +115,7 @@ def _something(found: client.Robot, robot: str, dice: random.Random) -> None:
 
 
 def _why(found: dict[str, Any]) -> str:
-    """Say what was otherwise, in a line."""
+    """Return the difference, in a line."""
     if "error" in found:
         return str(found["error"])
     setpoints = {topic: len(one["differences"]) for topic, one in found["setpoints"].items() if one["differences"]}

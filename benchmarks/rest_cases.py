@@ -1,7 +1,7 @@
-"""Asks a simulated UXA-90 whatever its OpenAPI document allows, and more, and looks at answers and at the wire.
+"""Sends a simulated UXA-90 random requests within its OpenAPI document, and beyond, and checks answers and wire.
 
-`python -m benchmarks rest_cases --cases 1000 [--json FILE] [--seed N]`. Exit code 1 if an answer was a 5xx, did not come
-within five seconds, was not what the document says, or if anything illegal was on the serial line.
+`python -m benchmarks rest_cases --cases 1000 [--json FILE] [--seed N]`. Exit code 1 if an answer was a 5xx, came after
+more than five seconds, or did not fit the document, or if anything illegal was on the serial line.
 """
 
 import argparse
@@ -21,13 +21,13 @@ PROMISES = {
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how many."""
+    """Add the number."""
     parser.add_argument("--cases", type=int, default=1000, help="requests (default %(default)s)")
     parser.add_argument("--seed", type=int, help="of chance, to ask the same again")
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Ask, and look at the answers and at the wire."""
+    """Send requests, and check answers and wire."""
     results = Results(PROMISES)
     with tempfile.TemporaryDirectory(prefix="lbr-") as place, served(Path(place) / "h") as (_, client, trace):
         began = time.monotonic()

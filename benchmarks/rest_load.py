@@ -1,10 +1,10 @@
 """Four clients of the UXA-90's API at 20 requests a second each, and viewers of its states, for as long as wanted.
 
-`python -m benchmarks rest_load --seconds 600 [--json FILE]`. Head and neck are moved, motors are asked for, several are
-moved at once; meanwhile a fifth client moves one arm now and then, to see in the trace of the emulated main board how
-long after a request its first byte is on the wire. At the end 23 motors are moved by one request. Exit code 1 if an
-answer was an error, if the slowest hundredth took 50 ms or more, if fewer than 20 states came a second, if a request
-needed 15 ms or more to the wire, or if anything illegal was there.
+`python -m benchmarks rest_load --seconds 600 [--json FILE]`. They move head and neck, read motors, and move several at
+once. Meanwhile a fifth client moves one arm at intervals: the trace of the emulated main board shows how long after a
+request its first byte is on the wire. At the end one request moves 23 motors. Exit code 1 if an answer was an error, if
+the slowest hundredth took 50 ms or more, if fewer than 20 states came a second, if a request needed 15 ms or more to
+the wire, or if anything illegal was there.
 """
 
 import argparse
@@ -44,11 +44,11 @@ NEAR = {
     18: (190, 200),
     19: (50, 60),
 }
-"""Where both the API and the joints let motors go that do not rest in the middle."""
+"""The range that both the API and the joints permit, for motors that do not rest in the middle."""
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how long."""
+    """Add the duration."""
     parser.add_argument("--seconds", type=float, default=600.0, help="how long (default %(default)s)")
 
 
@@ -60,7 +60,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 
 class Tally:
-    """What one client has seen."""
+    """The counts of one client."""
 
     def __init__(self) -> None:
         self.ms: list[float] = []
@@ -69,14 +69,14 @@ class Tally:
 
 
 class Client:
-    """Asks by one connection that is kept, as apps do."""
+    """Asks over one open connection, as apps do."""
 
     def __init__(self, port: int, tally: Tally) -> None:
         self._connection = http.client.HTTPConnection("127.0.0.1", port, timeout=5)
         self.tally = tally
 
     def ask(self, method: str, path: str, body: Any = None) -> float:
-        """Return when it was asked."""
+        """Send a request; return its time."""
         asked = time.monotonic()
         try:
             given = json.dumps(body).encode() if body is not None else None
@@ -95,13 +95,13 @@ class Client:
 
 
 def swing(at: float, low: int, high: int, period_s: float) -> int:
-    """Return where something is at a time that goes to and fro."""
+    """Return the position of an oscillation at a time."""
     part = at / period_s % 2.0
     return round(low + (high - low) * (part if part < 1.0 else 2.0 - part))
 
 
 def drive(client: Client, number: int, end: float) -> None:
-    """Ask 20 times a second until the end, whatever that takes."""
+    """Ask 20 times a second until the end, whatever the duration of answers."""
     count, due = 0, time.monotonic() + number / CLIENTS / RATE_HZ
     while (now := time.monotonic()) < end:
         if now < due:
@@ -128,7 +128,7 @@ def probe(client: Client, end: float, asked: list[float]) -> None:
 
 
 def look(port: int, end: float, gaps_s: list[float], wrong: list[str]) -> None:
-    """Watch the states, and note how long each new state of the joints let wait."""
+    """Watch the states, and note the time between new states of the joints."""
     try:
         with connect(f"ws://127.0.0.1:{port}/ws?rate_hz=40", max_size=1 << 20) as states:
             last, at = None, time.monotonic()
@@ -143,7 +143,7 @@ def look(port: int, end: float, gaps_s: list[float], wrong: list[str]) -> None:
 
 
 def wire_delays_ms(trace: Path, asked: list[float]) -> list[float]:
-    """Return how long after each request the first packet for the probe's motor was on the wire."""
+    """Return the delay from each request to its first packet for the probe's motor on the wire."""
     sent = [
         chunk.at
         for chunk in chunks(trace)
@@ -158,7 +158,7 @@ def wire_delays_ms(trace: Path, asked: list[float]) -> list[float]:
 
 
 def together(port: int, trace: Path) -> dict[str, Any]:
-    """Move all motors by one request, and return how many packets left in one piece at most, and how many pieces did."""
+    """Move all motors by one request; return the most packets in one piece, and the number of pieces."""
     client = Client(port, Tally())
     ids = [*range(20), 22, 23, 24]
     most, began = 0, time.monotonic()
@@ -228,7 +228,7 @@ def _spread(ordered: list[float]) -> dict[str, float]:
 
 
 def failures(found: dict[str, Any]) -> list[str]:
-    """Return what is not as it should be."""
+    """Return the failures."""
     wrong = []
     if found["errors"]:
         wrong.append(f"{found['errors']} errors")
@@ -246,7 +246,7 @@ def failures(found: dict[str, Any]) -> list[str]:
 
 
 def outrank() -> None:
-    """Be no slower than clients on other machines are, however busy this one is."""
+    """Rank like clients on other machines, however busy this one is."""
     with contextlib.suppress(OSError):
         os.setsid()
     scheduling.rank(os.getpid(), scheduling.MOTION)

@@ -1,9 +1,10 @@
-"""A twist on /cmd_vel to the motor controller's bytes beside one of lbr's own client, and how long wheels turn on.
+"""The time from a twist on /cmd_vel to the motor controller's bytes, compared with lbr's own client, and the run-on of
+wheels.
 
-`python -m benchmarks ros2 --n 300 --kills 50`. The shipped robot is the router of ROS. A node publishes ever slower turns, which
-take effect at once, in turns with lbr's client; a way ends at the controller's next line that is another. Then nodes are killed
-and frozen while they drive, and last the router is killed and replaced. The node is one by pyzeros where `LBR_ROS_SIDES` names a
-Python that has it, else zenoh alone.
+`python -m benchmarks ros2 --n 300 --kills 50`. The shipped robot is the router of ROS. A node publishes ever slower
+turns, which take effect at once, in turns with lbr's client; a way ends at the controller's next different line. Then
+nodes are killed and frozen while they drive, and last the router is killed and replaced. The node is one by pyzeros
+where `LBR_ROS_SIDES` names a Python that has it, else zenoh alone.
 """
 
 import argparse
@@ -45,7 +46,7 @@ PROMISES = {
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how much."""
+    """Add the amount."""
     parser.add_argument("--n", type=int, default=300, help="twists of each sender (default %(default)s)")
     parser.add_argument("--kills", type=int, default=50, help="of each way to go (default %(default)s)")
 
@@ -124,7 +125,7 @@ def _publish(node: "subprocess.Popen[str]", vx: float, wz: float) -> int:
 
 
 def _ways(robot: Robot, endpoint: str, trace: Trace, n: int) -> list[str]:
-    """Have both senders slow down in turns, and return a table of their ways."""
+    """Let both senders slow down in turns, and return a table of their ways."""
     ways: dict[str, list[float]] = {"lbr's client": [], "ROS": []}
     with lbr.client.connect(robot.name, at=robot.endpoints[0]) as client:
         while min(map(len, ways.values())) < n:
@@ -155,7 +156,7 @@ def _keep(motion: Motion, wz: float) -> int:
 
 
 def _ramp(trace: Trace, send: Callable[[float], int]) -> Iterator[float]:
-    """Slow down step by step, and yield how long each took."""
+    """Slow down step by step, and yield each duration."""
     speed, end = FASTEST_RPS, time.monotonic() + SETTLE_S
     while time.monotonic() < end:
         send(speed)
@@ -189,10 +190,10 @@ def _changed(trace: Trace, before: str, since_ns: int) -> Line | None:
 
 
 def _death(results: Results, figure: str, node: "subprocess.Popen[str]", trace: Trace, go: Callable[[], None]) -> None:
-    """Have a node drive, end what it drives by, and see the motors stand and stay so."""
+    """Let a node drive, end it, and check that the motors stop and stay so."""
 
     def drives() -> bool:
-        _publish(node, 0.0, 0.0)  # for one that a busy machine held up, and that has lost the robot by that
+        _publish(node, 0.0, 0.0)  # for a node that lost the robot because a busy machine delayed it
         _publish(node, 0.0, TURN_RPS)
         end = time.monotonic() + GIVE_UP_S
         while trace.now().zero and time.monotonic() < end:

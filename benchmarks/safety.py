@@ -1,13 +1,13 @@
 """Measures how soon the motors stand after every kind of fault, and how the robot recovers.
 
-`python -m benchmarks safety --n 30` is about a tenth of the full amount; `--only S1,S3` runs a few scenarios.
-`--gate` tries everything in under five minutes, several at a time, for hard values only. `--full` is the whole amount
-in ten rounds, `--minutes 120` as many of them as fit. `--merge FILE` keeps what any benchmark has written with `--json`
-in benchmarks/results.json, and `--write-docs` makes the table in docs/reference/figures.md of that. Exit code 1 if a hard value
-is broken.
+`python -m benchmarks safety --n 30` is about a tenth of the full amount; `--only S1,S3` runs a few scenarios. `--gate`
+tries everything in under five minutes, several at a time, for hard values only. `--full` is the whole amount in ten
+rounds, `--minutes 120` as many of them as fit. `--merge FILE` adds a benchmark's `--json` file to
+benchmarks/results.json, and `--write-docs` makes the table in docs/reference/figures.md of that. Exit code 1 if a hard
+value is broken.
 
 Most scenarios run the base of lbr alone: motors, ranges, drive and world. With `--whole` they run lbr-sim as it ships.
-What was measured more than once, because it was too much for the machine among others, is told and kept with the result.
+Measurements that were repeated, because the machine was too busy with others, are reported and kept with the result.
 `--whole --tries 100 --only S1,S2,S3,S4,S5,S6,S7,S8` takes three quarters of an hour.
 """
 
@@ -41,7 +41,7 @@ GATE_JOBS = 4
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how much, of what, on which robot; or what to keep."""
+    """Add the amount, the scenarios, and the robot; or the files to merge."""
     amount = parser.add_mutually_exclusive_group()
     amount.add_argument("--n", type=int, default=10, help="how much; 300 is the full amount (default %(default)s)")
     amount.add_argument("--tries", type=int, default=0, help="this many tries of each scenario, as in --only S1,S8")
@@ -57,7 +57,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def measure(given: argparse.Namespace) -> Measured | None:
-    """Run scenarios, or keep what they have measured."""
+    """Run scenarios, or merge measurements."""
     if given.merge or given.write_docs:
         keep(given.merge, write_docs=given.write_docs)
         return None
@@ -65,7 +65,7 @@ def measure(given: argparse.Namespace) -> Measured | None:
 
 
 class Run(NamedTuple):
-    """One scenario, some times."""
+    """One scenario, with a number of repetitions."""
 
     name: str
     n: int
@@ -73,7 +73,7 @@ class Run(NamedTuple):
 
 
 def together(rounds: Iterable[list[Run]], load: str, *, jobs: int = 1, whole: bool = False) -> Measured:
-    """Run all rounds; with several jobs, what need not be alone runs beside others."""
+    """Run all rounds; with several jobs, most scenarios run beside others."""
     results = Results(PROMISES, whole=whole)
     began = Moment.now()
     for plan in rounds:
@@ -92,7 +92,7 @@ def together(rounds: Iterable[list[Run]], load: str, *, jobs: int = 1, whole: bo
 
 
 class Outcome(Struct, frozen=True):
-    """What a run has measured, and how it looked on a machine that had more to do."""
+    """The measurements of a run, and their state on a busy machine."""
 
     results: list[Result]
     disturbed: list[str]
@@ -101,13 +101,13 @@ class Outcome(Struct, frozen=True):
 
     @property
     def may_be_the_machine(self) -> bool:
-        """Nothing is wrong but that it could not go on, or that it took too long."""
+        """Return whether it only could not go on, or took too long."""
         broken = [result for result in self.results if result.verdict == "broken"]
         return self.gave_up or (bool(broken) and not any(result.violations for result in broken))
 
     @property
     def why(self) -> str:
-        """Say what was wrong."""
+        """Return what was wrong."""
         broken = [result for result in self.results if result.verdict == "broken"]
         texts = [
             f"{result.figure} {max(result.samples):.0f} {result.promise.unit}, at most {result.promise.hard:g}"
@@ -119,7 +119,7 @@ class Outcome(Struct, frozen=True):
 
 
 def run_alone(run: Run) -> bytes:
-    """Run a scenario; one that cannot go on counts as a violation. Returns an encoded Outcome."""
+    """Run a scenario; one that cannot go on counts as a violation. Return an encoded Outcome."""
     results = Results(PROMISES, whole=run.whole)
     since = time.monotonic()
     gave_up = False
@@ -136,9 +136,9 @@ def run_alone(run: Run) -> bytes:
 
 
 def _beside_others(results: Results, runs: list[Run], jobs: int) -> None:
-    """Run several at a time; what may be the machine's fault is tried again by itself, and it is told.
+    """Run several at a time; repeat by itself a failure that may be due to the machine, and report that.
 
-    By itself it counts; where that too may be the machine's fault, which nobody keeps free for us, the next one does.
+    The repetition counts. If it may be due to the machine as well, which has other users, the next one counts.
     """
     if not runs:
         return
@@ -157,7 +157,7 @@ def _beside_others(results: Results, runs: list[Run], jobs: int) -> None:
 
 
 def _by_itself(results: Results, run: Run, *, once_more: bool) -> None:
-    """Run a scenario alone; if so asked, what may be the machine's fault is tried once more, and it is told."""
+    """Run a scenario alone; with `once_more`, repeat a failure that may be due to the machine, and report that."""
     encoded = run_alone(run)
     outcome = msgspec.json.decode(encoded, type=Outcome)
     if once_more and outcome.may_be_the_machine:
@@ -172,12 +172,12 @@ def _take(results: Results, encoded: bytes) -> None:
 
 
 def _end_with_parent() -> None:
-    """Have the kernel kill a process of the pool, and so what it has started, when this benchmark is killed."""
+    """Have the kernel kill a process of the pool, with its children, when this benchmark is killed."""
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def rounds(arguments: argparse.Namespace) -> Iterator[list[Run]]:
-    """Give what to run: one round, or the full amount in tenths until the time is over."""
+    """Yield the runs: one round, or the full amount in tenths until the time is over."""
     names = arguments.only or list(SCENARIOS)
     if arguments.gate:
         yield [Run(name, SCENARIOS[name].gate) for name in names]
@@ -203,7 +203,7 @@ def _tenth(full: int, turn: int) -> int:
 
 
 def keep(paths: list[Path], *, write_docs: bool) -> None:
-    """Merge reports of any benchmark into what is kept, and perhaps make the table of it."""
+    """Merge reports of any benchmark into the kept ones, and optionally make their table."""
     ledger = Ledger.read()
     for path in paths:
         ledger.merge(msgspec.json.decode(path.read_bytes(), type=Report))

@@ -1,12 +1,12 @@
-"""What a robot costs as it grows: capabilities at 10 Hz, words, channels, and clients at the door to other machines.
+"""The cost of a growing robot: capabilities at 10 Hz, words, channels, and clients at the door to other machines.
 
 `python -m benchmarks scale --capabilities 0,10,20,40,80 --seconds 5`. Beside the base of lbr (motors, ranges, drive,
 world) it runs that many trivial capabilities, each of which publishes a number ten times a second to nobody. For each
-size: time to ready, processor time of the executive and of all, its private memory and that of a trivial capability, the
-executive's descriptors, and how long after the commit of a row a new word is understood and a new setting is in force.
-With `--share 20` twenty of them share each process, and what is told as a trivial capability's memory is its part of that.
-`--words`, `--channels` and `--clients` say how many there are in the three last runs; 0 leaves one out. Exit code 1 if a
-hard value is broken.
+size it measures time to ready, processor time of the executive and of all, private memory of the executive and of a
+trivial capability, and the executive's descriptors. It also measures the time from the commit of a row until a new word
+is known and a new setting is in force. With `--share 20` twenty capabilities share each process, and the memory of one
+is its share of that. `--words`, `--channels` and `--clients` are the numbers in the three last runs; 0 skips one. Exit
+code 1 if a hard value is broken.
 """
 
 import argparse
@@ -40,7 +40,7 @@ PROMISES = {
 LARGEST = 80
 LONGEST_S = 60.0
 ENDS = 10
-"""Outputs and inputs of each capability that channels are drawn between."""
+"""Outputs and inputs of each capability that channels connect."""
 TRIVIAL = '''"""A capability that does next to nothing."""
 
 from typing import Annotated
@@ -94,7 +94,7 @@ KIND = Kind(
 
 
 class Cost(NamedTuple):
-    """What a robot of some size costs; nan where that is not asked."""
+    """The cost of a robot of some size; nan if it is not measured."""
 
     ready_s: float
     executive_percent: float
@@ -112,7 +112,7 @@ class Cost(NamedTuple):
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how much of what."""
+    """Add the amounts."""
     parser.add_argument(
         "--capabilities", default="0,10,20,40,80", help="how many, one after the other (default %(default)s)"
     )
@@ -165,7 +165,7 @@ def _words(count: int) -> list[str]:
 
 
 def _channels(count: int) -> list[str]:
-    """Return rows of as few silent capabilities as have so many pairs of outputs and inputs."""
+    """Return rows of the fewest silent capabilities with so many pairs of outputs and inputs."""
     names = 1
     while names * names * ENDS * ENDS < count:
         names += 1
@@ -235,7 +235,7 @@ def _until_word(robot: Robot) -> float:
 
 
 def _until_setting(robot: Robot) -> float:
-    """Return how long it takes until a capability runs again with another setting, and is ready."""
+    """Return the time until a capability runs again with another setting, and is ready."""
     uptime_s = robot.capability("t0")["uptime_s"]
     robot.edit("UPDATE capability SET settings = '{\"add\": 2}' WHERE robot = 'lbr' AND name = 't0'")
 
@@ -256,7 +256,7 @@ def _until(there: Callable[[], bool]) -> float:
 
 
 def _at_the_door(count: int, seconds: float) -> Cost:
-    """Return what a robot costs with so many clients, each of which hears the state of its drive; ready is until all are in."""
+    """Return the cost of a robot with so many clients that receive the drive's state; ready: all are connected."""
     with temporary_home() as home, opened(home) as door, contextlib.ExitStack() as stack:
         began = time.monotonic()
         for _ in range(count):

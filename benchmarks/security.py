@@ -1,7 +1,7 @@
-"""Attacks a robot on this machine as somebody would who wants more than they may.
+"""Attacks a robot on this machine like an intruder.
 
-`python -m benchmarks security --json FILE`; `--only A1,A3` runs a few, `--seconds 600` listens to the network that long.
-Exit code 1 if anything passed that must not. A1 needs root, for networks of its own; without it, it is left out.
+`python -m benchmarks security --json FILE`; `--only A1,A3` runs a few, `--seconds 600` listens to the network that
+long. Exit code 1 if an attack succeeded. A1 needs root, for networks of its own; otherwise it is skipped.
 """
 
 import argparse
@@ -29,7 +29,7 @@ SCENARIOS: dict[str, tuple[Scenario, ...]] = {
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add what, and how long."""
+    """Add the attacks, and the duration."""
     parser.add_argument("--only", type=listed, default=list(SCENARIOS), metavar="A1,A3")
     parser.add_argument("--seconds", type=float, default=10.0, help="to listen to the network (default %(default)s)")
 

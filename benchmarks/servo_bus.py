@@ -1,11 +1,11 @@
-"""How fast servos can be read, by whom, at what cost, and whether every state is true; all on a simulated line.
+"""Measures each client's rate of reading servos, its cost, and the truth of every state; all on a simulated line.
 
-`python -m benchmarks servo_bus [--rounds N] [--seconds S] [--json FILE]`. Eighteen emulated AX-12A at 1 Mbit/s on a pty,
-with the servos' own delays and jitter and no USB. In turns, so that other load meets all alike: (a) a loop in C, the
-floor; (b) lbr's block read; (c) the vendor's kit with three reads for each state; (d) the vendor's kit with a block
-read; at return delays of 0, 250 and 500 us. Then the USB2AX's sync read against what its line allows, and (b) and the
-sync read beside every fault of a line. Every state carries a counter: wrong is one that is not what the servo
-said, stale one that it said before. Exit code 1 if there was any.
+`python -m benchmarks servo_bus [--rounds N] [--seconds S] [--json FILE]`. Eighteen emulated AX-12A at 1 Mbit/s on a
+pty, with the servos' own delays and jitter and no USB. In turns, so that other load affects all equally: (a) a loop in
+C, the floor; (b) lbr's block read; (c) the vendor's kit with three reads for each state; (d) the vendor's kit with a
+block read; at return delays of 0, 250 and 500 us. Then the USB2AX's sync read against the limit of its line, and (b)
+and the sync read beside every fault of a line. Every state has a counter: a wrong state differs from the servo's, a
+stale one is an earlier one. Exit code 1 for any of these.
 
 (c) and (d) need `pip install dynamixel-sdk`, (a) a C compiler as `cc`; without, they are left out. Rates depend on the
 machine: trust ratios and CPU time.
@@ -28,7 +28,7 @@ SMOKE = "--rounds 1 --seconds 0.05 --no-faults"
 
 PROMISES = {"servo bus": Promise(what="states that were read, each what the servo said, and not what it said before")}
 DELAYS = {0: 0, 125: 250, 250: 500}
-"""Values of the return delay register, and what they are in microseconds."""
+"""Values of the return delay register, with their microseconds."""
 
 NAMES = {
     "floor": "(a) C: write, poll, read",
@@ -57,7 +57,7 @@ PASSING = {"unplug", "brown_out"}
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how often, and how long."""
+    """Add the number, and the duration."""
     parser.add_argument("--rounds", type=int, default=7, help="default: %(default)s")
     parser.add_argument("--seconds", type=float, default=0.6, help="how long each client reads in each round")
     parser.add_argument("--no-faults", action="store_true", help="leave the faults out")
@@ -84,7 +84,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 
 class Figure(msgspec.Struct, kw_only=True):
-    """A client at a return delay: medians over the rounds, sums of what must not be."""
+    """A client at a return delay: medians over the rounds, sums of violations."""
 
     client: str
     delay_us: int
@@ -99,7 +99,7 @@ class Figure(msgspec.Struct, kw_only=True):
 
 
 class Survived(msgspec.Struct, kw_only=True):
-    """A client beside a fault, and what it read per second once that had gone."""
+    """A client beside a fault, and its reads per second after the fault."""
 
     client: str
     fault: str
@@ -162,7 +162,7 @@ def survive(under_test: Line, seconds: float) -> Iterator[Survived]:
 
 
 def verdicts(figures: Sequence[Figure]) -> Iterator[str]:
-    """Say which targets are met."""
+    """Yield the verdict on each target."""
     by = {(figure.client, figure.delay_us): figure for figure in figures}
     for delay_us in DELAYS.values():
         own, three, vendor = (by.get((kind, delay_us)) for kind in ("block", "vendor_three", "vendor_block"))

@@ -1,8 +1,9 @@
-"""Lets a robot live for a while: three people use it, once a minute something breaks; nothing may leak, crash or stop for no reason.
+"""Runs a robot for a while: three people use it, and once a minute something breaks; it must not leak, crash or stop
+without reason.
 
-`python -m benchmarks soak --minutes 30 --json FILE`; `--seed` makes the same faults in the same order, `--base` leaves
-the robot its motors, ranges, drive and world alone. What happens is told on standard error, and every few minutes how
-much memory the executive has. Exit code 1 if a hard value is broken.
+`python -m benchmarks soak --minutes 30 --json FILE`; `--seed` makes the same faults in the same order, `--base` only
+runs motors, ranges, drive and world. Events go to standard error, and every few minutes the memory of the executive.
+Exit code 1 if a hard value is broken.
 """
 
 import argparse
@@ -35,7 +36,7 @@ BAD_ENDS = ("crashed", "hung", "trip", "failed")
 EXECUTIVE = "executive"
 TOLD_EVERY = 36
 BOUND_THEIR_FILES = {"box", "speaker"}
-"""Looks from one line about the executive's memory to the next: three minutes."""
+"""The number of looks between two lines about the executive's memory: three minutes."""
 LAST_SHARE = 1 / 3
 LOG_MIB, WAL_MIB, SLOPE_MIB_H = 16.0, 16.0, 1.0
 
@@ -62,7 +63,7 @@ PROMISES: dict[str, Promise] = {
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how long, and of what."""
+    """Add the duration, and the robot."""
     parser.add_argument("--minutes", type=float, default=30.0, help="how long (default %(default)s)")
     parser.add_argument("--fault-every", type=float, default=60.0, metavar="SECONDS", help="default: %(default)s")
     parser.add_argument("--base", action="store_true", help="motors, ranges, drive and world alone")
@@ -70,7 +71,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Let it live."""
+    """Run the robot."""
     results = Results(PROMISES, whole=not given.base)
     soak(results, given.minutes, given.seed, fault_every_s=given.fault_every)
     return Measured(
@@ -108,7 +109,7 @@ class Soak:
     def _break_something(self) -> None:
         name, how = next(self._faults)
         print(f"{self._minutes():.1f} min: {name}", file=sys.stderr, flush=True)
-        with suppress(AssertionError, OSError, StopIteration):  # what is to break may be away already
+        with suppress(AssertionError, OSError, StopIteration):  # the part to break may be gone already
             how()
         self._excused_until = time.monotonic() + EXPLAINED_S
 
@@ -155,7 +156,7 @@ class Soak:
         self._under_test.robot.ask("@estop/reset", {}, timeout_s=3.0)
 
     def _look(self) -> None:
-        """Note what everything costs, and what ended without a fault."""
+        """Note the cost of every process, and each end without a fault."""
         with suppress(AssertionError, StopIteration):  # the robot may not answer while its links are broken
             found = costs(self._under_test)
             self.looks.append((time.monotonic() - self._began, found))
@@ -201,7 +202,7 @@ def soak(results: Results, minutes: float, seed: int, *, fault_every_s: float = 
 
 
 def _leaks(results: Results, looks: list[tuple[float, dict[str, Cost]]]) -> None:
-    """Compare the late part of every long life with the early: the line through its memory, and what it always holds."""
+    """Compare the late part of every long life with the early one: the slope of its memory, and its resources."""
     lives: dict[tuple[str, int], list[tuple[float, Cost]]] = {}
     for at, cost_by_name in looks:
         for name, cost in cost_by_name.items():
@@ -221,7 +222,7 @@ def _leaks(results: Results, looks: list[tuple[float, dict[str, Cost]]]) -> None
 
 
 def _levels_off(results: Results, looks: list[tuple[float, dict[str, Cost]]]) -> None:
-    """Say how fast the executive's memory still grows at the end, whatever it took to begin with."""
+    """Return how fast the executive's memory still grows at the end, whatever its first size."""
     points = [(at / 3600, cost[EXECUTIVE].rss_mib) for at, cost in looks if EXECUTIVE in cost]
     last = points[-max(2, int(len(points) * LAST_SHARE)) :]
     print(f"executive: {points[0][1]:.1f} MiB, {last[0][1]:.1f} at two thirds, {last[-1][1]:.1f}", file=sys.stderr)

@@ -1,8 +1,8 @@
-"""Measures whether `lbr at` answers as the robot did: why, status and rows at sampled moments of running robots.
+"""Measures whether `lbr at` gives the robot's own answers: why, status and rows at sampled moments of running robots.
 
-`python -m benchmarks then --n 100 --robots lbr,bioloid,uxa90`. Things are done to a robot and undone, some by a kill; after each
-it is asked live, and once the box has that time, `lbr at` is asked for the moment before the answer and the one after it. One of
-these two must say the same.
+`python -m benchmarks then --n 100 --robots lbr,bioloid,uxa90`. Faults and changes are made and undone, some by a kill;
+after each, the robot is asked live. Once the box has that time, `lbr at` is asked for the moment before the answer and
+the one after it. One of these two must be equal.
 """
 
 import argparse
@@ -49,7 +49,7 @@ HELP = "UPDATE capability SET help = 'told at {}' WHERE robot = '{}' AND name = 
 
 
 class Sample(Struct, kw_only=True):
-    """A moment: from when to when it was asked, about which part, and what was answered."""
+    """A moment: begin and end of the question, its part, and the answer."""
 
     did: str
     begun_ns: int
@@ -61,14 +61,14 @@ class Sample(Struct, kw_only=True):
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how many, and of which robots."""
+    """Add the number, and the robots."""
     parser.add_argument("--n", type=int, default=100, help="moments, of all robots together (default %(default)s)")
     parser.add_argument("--robots", type=listed, default=["lbr", "bioloid", "uxa90"], metavar="lbr,bioloid,uxa90")
     parser.add_argument("--seed", type=int, default=1, help="of chance (default %(default)s)")
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Sample each robot, and ask for then."""
+    """Sample each robot, and ask for these moments."""
     results = Results(PROMISES)
     text: list[str] = []
     for place, robot in enumerate(given.robots):
@@ -99,7 +99,7 @@ def _running(robot: str, results: Results, dice: random.Random) -> Iterator[Benc
 
 
 def _sample(under: Bench, robot: str) -> Sample:
-    """Do something, wait, and ask."""
+    """Change something, wait, and ask."""
     did = _something(under, robot)
     under.pass_time(under.dice.uniform(0.3, 2.5))
     part = under.dice.choice(PARTS[robot])
@@ -125,7 +125,7 @@ def _something(under: Bench, robot: str) -> str:
 
 
 def _rows(under: Bench, robot: str) -> list[dict[str, Any]]:
-    """Return the rows of all capabilities as SQLite has them."""
+    """Return the rows of all capabilities from SQLite."""
     with sqlite3.connect(under.robot.home / "robot.db") as database:
         database.row_factory = sqlite3.Row
         found = database.execute("SELECT * FROM capability WHERE robot = ? ORDER BY name", (robot,)).fetchall()
@@ -133,7 +133,7 @@ def _rows(under: Bench, robot: str) -> list[dict[str, Any]]:
 
 
 def _judge(under: Bench, sample: Sample, results: Results) -> Iterator[str]:
-    """Ask for the two moments; yield what was otherwise."""
+    """Ask for the two moments; yield the differences."""
     why = [_first(_then(under, at_ns, results, "why", sample.part)) for at_ns in (sample.begun_ns, sample.ended_ns)]
     status = [_processes(_then(under, at_ns, results, "status")) for at_ns in (sample.begun_ns, sample.ended_ns)]
     rows = [_then(under, at_ns, results, "rows", "capability") for at_ns in (sample.begun_ns, sample.ended_ns)]
@@ -168,12 +168,12 @@ def _by_name(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _other(found: dict[str, Any], than: dict[str, Any]) -> dict[str, Any]:
-    """Return what of one is otherwise than in another."""
+    """Return the parts of one that differ from another."""
     return {name: value for name, value in found.items() if than.get(name) != value}
 
 
 def _first(chain: dict[str, Any]) -> dict[str, str]:
-    """Return what is said first: of whom, of what, with its code."""
+    """Return the first link: its subject, its name and its code."""
     link = chain["links"][chain["first"]] if chain.get("first") is not None else {}
     return {"state": chain["state"], **{name: link.get(name, "") for name in ("name", "about", "code")}}
 

@@ -1,8 +1,8 @@
-"""What tracking costs and how exact it is: for each picture, side by side with decoding it and with another method.
+"""The cost and precision of tracking for each picture, compared with decoding it and with another method.
 
 `python -m benchmarks tracking --seconds 10`. Pictures of 640x480 with a ball, as JPEG, are made here: noisy, lit from
-above, with a highlight. `blob` is what tracking does; `circles` finds the same ball in the same mask by Hough's
-transform. The last line is a process that looks at 15 pictures a second, as tracking does.
+above, with a highlight. `blob` is the method of tracking; `circles` finds the same ball in the same mask by Hough's
+transform. The last line is a process with 15 pictures a second, like tracking.
 """
 
 import argparse
@@ -28,7 +28,7 @@ ORANGE, GREY = (20, 110, 235), (120, 110, 100)
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how long."""
+    """Add the duration."""
     parser.add_argument("--pictures", type=int, default=60, help="to find the ball in (default %(default)s)")
     parser.add_argument("--seconds", type=float, default=10.0, help="how long to look (default %(default)s)")
 
@@ -56,7 +56,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 
 def pictures(count: int) -> list[tuple[bytes, tuple[float, float, float]]]:
-    """Return pictures, and where the ball is in each: x, y and radius in pixels."""
+    """Return pictures with the place of the ball in each: x, y and radius in pixels."""
     dice = np.random.default_rng(7)
     rows, columns = np.mgrid[0:HEIGHT, 0:WIDTH].astype(np.float32)
     made = []

@@ -1,6 +1,6 @@
 """Plays the motions of the emulated UXA-90 on its body, from standing straight and from the walking stance.
 
-`python -m benchmarks uxa90` plays all that are shipped, the numbers after it only these. Exit code 1 if it fell.
+`python -m benchmarks uxa90` plays all shipped motions, or those of the given numbers. Exit code 1 if it fell.
 """
 
 import argparse
@@ -19,7 +19,7 @@ STAND, BASIC, SIT = 7, 1, 21
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add which motions."""
+    """Add the motions."""
     parser.add_argument("slots", nargs="*", type=int, help="motions by slot (default: all)")
 
 
@@ -35,7 +35,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 
 def play(slot: int, begin: int) -> tuple[bool, str]:
-    """Play a motion after another; return whether the robot is on its feet, and what became of it."""
+    """Play a motion after another; return whether the robot is on its feet, and the result in words."""
     robot = Robot()
     before = robot.play(STAND)
     if begin != STAND:

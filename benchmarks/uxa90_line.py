@@ -1,8 +1,8 @@
-"""How fast the UXA-90's servos are read and told, and whether anything is ever believed of the wrong one.
+"""Measures the rates of reading and commanding the UXA-90's servos, and counts readings attributed to the wrong servo.
 
-`python -m benchmarks uxa90_line [--bytes N] [--json FILE]`. The driver in this process; at the other end of a pty, in a
-process of its own, the emulated main board with 25 servos at 115200 baud (a servo answers after 1 to 1.3 ms), or servos
-at the end of a bad line that knows the truth. Exit code 1 if anything was believed that is not so, or crashed.
+`python -m benchmarks uxa90_line [--bytes N] [--json FILE]`. The driver runs in this process. At the other end of a pty,
+in a process of its own, is the emulated main board with 25 servos at 115200 baud (a servo answers after 1 to 1.3 ms),
+or servos at the end of a bad line that knows the truth. Exit code 1 if a false reading was accepted, or after a crash.
 """
 
 import argparse
@@ -41,14 +41,14 @@ PROMISES = {"uxa90 line": Promise(what="places that the driver trusted on a spoi
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add how much."""
+    """Add the amount."""
     parser.add_argument("--bytes", type=int, default=100_000, help="how many spoilt bytes the driver is to meet")
     parser.add_argument("--share", type=float, default=1.0, help="of the time for all else (default %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of chance (default %(default)s)")
 
 
 def measure(given: argparse.Namespace) -> Measured:
-    """Read, tell, move all, and believe nothing wrong."""
+    """Read, command, move all, and check every reading."""
     results = Results(PROMISES)
     figures: dict[str, Any] = {
         f"read, {together} in a write": reading(together, 4.0 * given.share) for together in (5, 1)
@@ -64,7 +64,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 
 class Driver:
-    """The driver in this process, told a setpoint in every step."""
+    """The driver in this process, with a setpoint in every step."""
 
     def __init__(self, path: Path, **settings: Any) -> None:
         row = msgspec.json.encode({"device": "board", "guard": False} | settings).decode()
@@ -81,13 +81,13 @@ class Driver:
 
     @property
     def state(self) -> ServosState:
-        """What it said last of its servos."""
+        """Return its last state of the servos."""
         said = [message for _, message in self.ctx.published[-20:] if isinstance(message, ServosState)]
         del self.ctx.published[:-20]
         return said[-1] if said else ServosState(sweep=0, measured_s=0.0, armed=False, phase="released", servos=())
 
     def tell(self, torque: float = 1.0) -> None:
-        """Give the goals and step, as when a setpoint wakes the driver."""
+        """Send the goals and step, as when a setpoint wakes the driver."""
         goals = tuple(
             ServoGoal(id=servo, position_rad=position_rad(self.goals[servo]), torque=torque)
             if servo in self.goals
@@ -98,7 +98,7 @@ class Driver:
         self.driver.step()
 
     def run(self, seconds: float, each: Callable[[], object] = lambda: None) -> None:
-        """Go on for a while at the joints' rate."""
+        """Run for a while at the joints' rate."""
         until = time.monotonic() + seconds
         while (now := time.monotonic()) < until:
             each()
@@ -117,7 +117,7 @@ def reading(together: int, seconds: float) -> dict[str, float]:
 
 
 def telling(times: int) -> dict[str, float]:
-    """Return how long a goal takes from the driver's step to the main board, and in how many writes 23 motors leave."""
+    """Return the time of a goal from the driver's step to the main board, and the number of writes for 23 motors."""
     waits_ms, whole, rng = [], 0, random.Random(1)
     with _peer("good") as path:
         trace = path.with_name(path.name + ".trace")
@@ -151,7 +151,7 @@ def telling(times: int) -> dict[str, float]:
 
 
 def streaming(seconds: float) -> dict[str, float]:
-    """Return how fresh positions are while every servo gets a new goal in each cycle."""
+    """Return the age of positions while every servo gets a new goal in each cycle."""
     ages: list[float] = []
     with _peer("good") as path:
         driver = Driver(path)
@@ -181,7 +181,7 @@ def streaming(seconds: float) -> dict[str, float]:
 
 
 def fuzzing(enough: int, seed: int, good_s: float) -> dict[str, Any]:
-    """Return what was believed on a line that is spoilt until this many bytes were, and what is once it is good again."""
+    """Return the accepted readings on a line until this many bytes were spoilt, and those after it is good again."""
     truth = Fuzzer(seed=seed).truth
     lies: set[tuple[int, int, int]] = set()
     crashes, looks, began = 0, 0, time.monotonic()

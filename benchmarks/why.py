@@ -1,8 +1,8 @@
-"""Measures whether `why` names the cause: causes are put into running robots, one at a time, and each is asked for.
+"""Measures whether `why` names the cause: running robots get causes one at a time, and each is asked for.
 
-`python -m benchmarks why --robots lbr,bioloid,uxa90 --json FILE`. A cause counts as named if an answer within 4 s has it as the
-first link; as blamed on hardware if an answer holds a line, a fault or a motor although it is none. Each is healed before the
-next one.
+`python -m benchmarks why --robots lbr,bioloid,uxa90 --json FILE`. A cause counts as named if an answer within 4 s has
+it as the first link. It counts as blamed on hardware if an answer holds a line, a fault or a motor wrongly. Each is
+healed before the next one.
 """
 
 import argparse
@@ -37,7 +37,7 @@ Act = Callable[[Bench], None]
 
 
 class Cause(Struct, frozen=True, kw_only=True):
-    """What is done to a robot, how it is undone, and which link is to be told: its name, of whom, and one of these codes."""
+    """The action on a robot, its reversal, and the expected link: its name, its subject, and one of these codes."""
 
     name: str
     robot: str
@@ -51,7 +51,7 @@ class Cause(Struct, frozen=True, kw_only=True):
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add which robots, and how many causes."""
+    """Add the robots, and the number of causes."""
     parser.add_argument("--robots", type=listed, default=["lbr", "bioloid", "uxa90"], help="which (default all three)")
     parser.add_argument("--n", type=int, default=100, help="causes of each robot at most (default %(default)s)")
     parser.add_argument("--only", default="", help="causes whose name has this in it")
@@ -76,7 +76,7 @@ def measure(given: argparse.Namespace) -> Measured:
 
 
 def _runs(robot: str, causes: Iterator[Cause], results: Results, told: list[dict[str, Any]]) -> Iterator[str]:
-    """Run a robot, and another one after a cause that could not be healed; yield the name of that cause."""
+    """Run a robot, and another one after a cause that could not be healed; yield that cause's name."""
     while True:
         with _running(robot, results) as under:
             for cause in causes:
@@ -103,7 +103,7 @@ def _running(robot: str, results: Results) -> Iterator[Bench]:
 
 
 def _well(under: Bench, results: Results) -> None:
-    """Ask a robot that is well, for each of its capabilities."""
+    """Ask a healthy robot about each of its capabilities."""
     for name in [unit["name"] for unit in under.units()] * 3:
         since = time.monotonic()
         under.robot.line(f"/why/{name}")
@@ -111,7 +111,7 @@ def _well(under: Bench, results: Results) -> None:
 
 
 def _one(under: Bench, cause: Cause, results: Results) -> dict[str, Any]:
-    """Put a cause in, and ask until it is named or the time is over."""
+    """Make a cause, and ask until it is named or the time is over."""
     began, last, blamed = time.monotonic(), "no answer", ""
     with ExitStack() as undo:
         undo.callback(lambda: _try(under, cause.heal))
@@ -159,7 +159,7 @@ def _first(chain: dict[str, Any] | None) -> dict[str, Any]:
 
 
 def _healed(under: Bench, cause: Cause) -> bool:
-    """Wait until the part is held by nothing any more."""
+    """Wait until nothing holds the part any more."""
     end = time.monotonic() + HEALED_S
     while time.monotonic() < end:
         with suppress(NoAnswerError):
@@ -179,7 +179,7 @@ def _try(under: Bench, heal: Act) -> None:
 
 
 def _without_executive(results: Results) -> list[dict[str, Any]]:
-    """Ask a robot whose executive is frozen, and one that was killed: by the command, from its rows."""
+    """Ask about a robot whose executive is frozen, and one that was killed: by the command, from its rows."""
     told = []
     with temporary_home() as home:
         under = Bench(start(home), results)
@@ -211,7 +211,7 @@ def _line(text: str) -> Act:
 
 
 def _press(under: Bench) -> None:
-    """Press the emergency stop, also while a driver cannot acknowledge it."""
+    """Press the emergency stop, even while a driver cannot acknowledge it."""
     under.robot.line("estop")
 
 
@@ -224,7 +224,7 @@ def _signal(name: str, number: int = signal.SIGKILL) -> Act:
 
 
 def _kill_for_good(name: str) -> Act:
-    """Kill it as often as it starts, until it is given up."""
+    """Kill it at each start, until it is given up."""
 
     def act(under: Bench) -> None:
         end = time.monotonic() + 25.0
@@ -333,7 +333,7 @@ def _said(name: str, robot: str, part: str, do: str, undo: str, link: str, about
 
 
 def _lapse(under: Bench) -> None:
-    """Drive, and renew no more."""
+    """Drive, and stop renewing."""
     mover = under.drive()
     mover.cease()
     under.pass_time(0.5)

@@ -1,8 +1,7 @@
-"""What goes into the distribution lbr-client beside `lbr_client`: the modules of lbr that `lbr.client` needs, as they
-are.
+"""The build hook of the distribution lbr-client: adds the modules of lbr that `lbr.client` needs, unchanged.
 
-A wheel has them in a folder of its own, so that no file of an installed lbr is touched, and once more as the stubs
-`lbr-stubs`, because type checkers do not look into that folder. A source distribution has them as the tree has, and is
+A wheel has them in a folder of its own, so that it touches no file of an installed lbr. It has them again as the stubs
+`lbr-stubs`, because type checkers do not look into that folder. A source distribution has them as in the tree, and is
 built without the tree.
 """
 
@@ -20,12 +19,12 @@ STUBS = "lbr-stubs"
 
 
 class Collect(BuildHookInterface):
-    """Collects the modules when something is built; an editable installation has the whole tree on its path instead."""
+    """Collects the modules at a build; an editable installation has the whole tree on its path instead."""
 
     PLUGIN_NAME = "custom"
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Say what is to be included."""
+        """Set the files to include."""
         if version == "editable":
             return
         here = Path(self.root)
@@ -39,13 +38,13 @@ class Collect(BuildHookInterface):
             build_data["force_include"][self._stubs.name] = STUBS
 
     def finalize(self, version: str, _build_data: dict[str, Any], _artifact: str) -> None:
-        """Remove what was collected."""
+        """Remove the collected files."""
         if version != "editable" and self.target_name == "wheel":
             self._stubs.cleanup()
 
 
 def modules(root: Path) -> set[Path]:
-    """Return the modules of `lbr.client` and all others of lbr that they import, also within functions."""
+    """Return the modules of `lbr.client` and all others of lbr that they import, even within functions."""
     waiting, found = list((root / "lbr" / "client").glob("*.py")), set[Path]()
     while waiting:
         path = waiting.pop()
@@ -75,4 +74,4 @@ def _write_stubs(folder: Path, package: Path, found: set[Path]) -> None:
         stub = folder / path.relative_to(package).with_suffix(".pyi")
         stub.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(path, stub)
-    (folder / "py.typed").write_text("partial\n")  # what is not among them is as an installed lbr has it
+    (folder / "py.typed").write_text("partial\n")  # the other modules are those of an installed lbr

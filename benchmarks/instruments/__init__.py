@@ -1,1 +1,1 @@
-"""What only benchmarks need to load, to hold up and to compare."""
+"""Tools that only benchmarks need: for load, delays and comparisons."""

@@ -1,9 +1,9 @@
 """The command path with zenoh-python alone, as programs: `bare.py router|drive|motors|load|source|sink ENDPOINT ...`.
 
-`drive` answers commands: it decodes, looks at lease, holder and newest range, and sends a setpoint that is as near to
-what is asked as its slew allows, at once and at 50 Hz; `motors` looks at lease and age, and writes it to a line. Both do
-so within Zenoh's callbacks, as a program does that leaves out all else. `load` sends three streams at 100 Hz and
-pictures, and hears them; `source` sends at 1 kHz what `sink` decodes. They say "ready", and end with their input.
+`drive` answers commands: it decodes, checks lease, holder and newest range, and sends the nearest setpoint within its
+slew, at once and at 50 Hz. `motors` checks lease and age, and writes it to a line. Both work within Zenoh's callbacks,
+like a minimal program. `load` sends and receives three streams at 100 Hz and pictures. `source` sends messages at 1
+kHz, which `sink` decodes. All print "ready", and end with their input.
 """
 
 import json
@@ -31,7 +31,7 @@ BUFFERED = 2048
 
 
 class Command(Struct):
-    """What a client asks for."""
+    """A client's request."""
 
     power: float
     angle_deg: float
@@ -39,7 +39,7 @@ class Command(Struct):
 
 
 class Reply(Struct):
-    """What it is told."""
+    """The answer to a client."""
 
     accepted: bool
     lease: str
@@ -47,7 +47,7 @@ class Reply(Struct):
 
 
 class Setpoint(Struct):
-    """What the motors are to do."""
+    """The command to the motors."""
 
     left: float
     right: float
@@ -56,7 +56,7 @@ class Setpoint(Struct):
 
 
 class Ranges(Struct):
-    """What is near."""
+    """The nearest obstacle."""
 
     forward_cm: float
 
@@ -73,13 +73,13 @@ _reached = Stamps(os.environ[FOLDER_VARIABLE]).reached if FOLDER_VARIABLE in os.
 
 
 def reached(name: str, number: int = 0) -> None:
-    """Note a stage, where that is wanted."""
+    """Note a stage, if that is requested."""
     if _reached is not None:
         _reached(NAMES.index(name), number)
 
 
 def settings(mode: str, endpoint: str) -> zenoh.Config:
-    """Return the configuration of a program that finds nobody by itself."""
+    """Return the configuration of a program that searches for nobody."""
     way = "listen" if mode == "router" else "connect"
     return zenoh.Config.from_json5(
         json.dumps(
@@ -93,12 +93,12 @@ def settings(mode: str, endpoint: str) -> zenoh.Config:
 
 
 def hears(session: zenoh.Session, key: str, handle: Callable[[Any], None]) -> Any:
-    """Subscribe, with what runs on Zenoh's thread."""
+    """Subscribe; `handle` runs on Zenoh's thread."""
     return session.declare_subscriber(key, zenoh.handlers.Callback(handle, indirect=False))
 
 
 def every(period_s: float, once: Callable[[], None]) -> None:
-    """Do it at a rate, in a thread."""
+    """Call `once` at a rate, in a thread."""
 
     def go() -> None:
         due = time.monotonic()
@@ -111,7 +111,7 @@ def every(period_s: float, once: Callable[[], None]) -> None:
 
 
 class Drive:
-    """Decides what the motors do."""
+    """Decides the power of the motors."""
 
     def __init__(self, session: zenoh.Session) -> None:
         self._decode = msgspec.json.Decoder(Command).decode
@@ -174,7 +174,7 @@ class Motors:
 
 
 def load(session: zenoh.Session) -> list[Any]:
-    """Send and hear streams and pictures."""
+    """Send and receive streams and pictures."""
     kept: list[Any] = [hears(session, "bench/load/*", lambda sample: sample.payload.to_bytes())]
     for key in ("one", "two", "three"):
         out = session.declare_publisher(f"bench/load/{key}")
@@ -193,7 +193,7 @@ def source(session: zenoh.Session) -> Any:
 
 
 def sink(session: zenoh.Session, path: str) -> Any:
-    """Decode what comes, and write down how long it took, in microseconds."""
+    """Decode messages, and write their ages in microseconds."""
     decode, file = msgspec.json.Decoder(Tick).decode, Path(path).open("w", buffering=BUFFERED)  # noqa: SIM115
 
     def hear(sample: zenoh.Sample) -> None:
@@ -204,7 +204,7 @@ def sink(session: zenoh.Session, path: str) -> Any:
 
 
 def main(role: str, endpoint: str, *more: str) -> None:
-    """Be one of the programs."""
+    """Run one of the programs."""
     with zenoh.open(settings("router" if role == "router" else "client", endpoint)) as session:
         roles: dict[str, Callable[..., Any]] = {
             "router": lambda _session: None,

@@ -1,4 +1,4 @@
-"""A browser with the robot's page open: its stick, its processes, and the moments when it was moved; pages that only look."""
+"""A browser with the robot's page open: its stick, its processes, and the times of its moves; pages that only look."""
 
 import select
 import shutil
@@ -29,7 +29,7 @@ LAUNCH = ["--no-sandbox", "--disable-gpu"]
 
 
 def why_not() -> str:
-    """Return why there can be no browser here, or nothing."""
+    """Return why no browser can run here, or an empty text."""
     try:
         import playwright.sync_api  # noqa: F401 - an extra
     except ImportError:
@@ -45,12 +45,12 @@ class OpenPage:
         self._box: dict[str, float] = {}
 
     def look(self, url: str, within_s: float = 20.0) -> float:
-        """Open the robot's page; return milliseconds from there until it can be driven."""
+        """Open the robot's page; return the milliseconds until it can be driven."""
         self.page.goto(url)
         return self.ready(within_s)
 
     def ready(self, within_s: float = 20.0) -> float:
-        """Wait until it can be driven; return milliseconds since it was opened."""
+        """Wait until it can be driven; return the milliseconds since it was opened."""
         took: float = self.page.wait_for_function(READY, timeout=within_s * 1000).json_value()
         stick = self.page.locator(".drive-stick")
         stick.scroll_into_view_if_needed()
@@ -64,7 +64,7 @@ class OpenPage:
         self.push(right, ahead)
 
     def push(self, right: float, ahead: float = 0.0) -> int:
-        """Push the stick there; return the moment before, in nanoseconds of the monotonic clock."""
+        """Push the stick there; return the time before that, in nanoseconds of the monotonic clock."""
         before = time.monotonic_ns()
         self.page.mouse.move(*self._at(right, ahead))
         return before
@@ -74,7 +74,7 @@ class OpenPage:
         self.page.mouse.up()
 
     def moved_ns(self) -> int:
-        """Return when the finger was moved last, as the browser saw it, by the monotonic clock."""
+        """Return when the finger was moved last, by the browser's event, on the monotonic clock."""
         wall_ms: float = self.page.evaluate("window.movedAt")
         return int(wall_ms * 1e6) - (time.time_ns() - time.monotonic_ns())
 
@@ -91,7 +91,7 @@ class Browsers:
 
     def __init__(self, play: Any, folder: Path, prefix: tuple[str, ...] = ()) -> None:
         self.options: list[str] = []
-        """Options of the next one beside the usual."""
+        """Further options of the next browser."""
         self._play = play
         self._program = shutil.which("chromium") or ""
         if prefix:
@@ -116,7 +116,7 @@ class Browsers:
 
     def forget(self) -> None:
         """Note that it was killed."""
-        with suppress(Exception):  # whatever of it is left
+        with suppress(Exception):  # whatever is left of it
             self._browser.close()
         self._browser = None
 
@@ -128,7 +128,7 @@ class Browsers:
 
     @contextmanager
     def frozen(self, processes: Sequence[psutil.Process]) -> Iterator[None]:
-        """Have all of it stand still, as on a phone that is locked; it goes on at the end of a `with`."""
+        """Freeze all of it, like on a locked phone; it goes on at the end of a `with`."""
         try:
             for process in processes:
                 _signal(process, signal.SIGSTOP)
@@ -138,13 +138,13 @@ class Browsers:
                 _signal(process, signal.SIGCONT)
 
     def processes(self) -> list[psutil.Process]:
-        """Return its processes, the first first."""
+        """Return its processes, with the main one first."""
         return [one for one in psutil.Process().children(recursive=True) if _is_chromium(one)]
 
 
 @contextmanager
 def browsers(folder: Path, prefix: tuple[str, ...] = ()) -> Iterator[Browsers]:
-    """Have browsers for the time of a `with`."""
+    """Provide browsers for the time of a `with`."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as play:
@@ -157,7 +157,7 @@ def browsers(folder: Path, prefix: tuple[str, ...] = ()) -> Iterator[Browsers]:
 
 @contextmanager
 def viewers(url: str, tokens: Sequence[str], count: int, rate_hz: float) -> Iterator[list[float]]:
-    """Have so many pages look for the time of a `with`, by these tokens in turns, for the server bounds what one may.
+    """Let so many pages look for the time of a `with`, by these tokens in turns, as the server limits each.
 
     Yields a list that has frames a second of each afterwards.
     """
@@ -179,7 +179,7 @@ def viewers(url: str, tokens: Sequence[str], count: int, rate_hz: float) -> Iter
 
 
 def wait_for(true: Callable[[], object], within_s: float) -> bool:
-    """Say whether something comes true in time."""
+    """Return whether a condition becomes true in time."""
     end = time.monotonic() + within_s
     while not true():
         if time.monotonic() > end:

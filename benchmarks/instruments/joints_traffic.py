@@ -1,4 +1,4 @@
-"""A client that moves all joints and goes on doing so, and what the states that come back show."""
+"""A client that keeps moving all joints, and the analysis of the states that come back."""
 
 import threading
 import time
@@ -21,13 +21,13 @@ PERIOD_S = 0.01
 SPEED_RPS = 1.0
 MOST_RAD = 0.3
 AHEAD_S = 0.1
-"""How far ahead of now each command looks; the next one comes before it is reached."""
+"""The time that each command looks ahead; the next one comes before it is reached."""
 
 PAUSE_S = 0.5
 
 
 class Client:
-    """Commands all joints at 100 Hz under one lease, and goes on whatever the answers are."""
+    """Commands all joints at 100 Hz under one lease, and goes on whatever the answers."""
 
     def __init__(self, robot: Robot, ways: dict[str, tuple[float, float]]) -> None:
         self._robot = robot
@@ -36,9 +36,9 @@ class Client:
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._lease = ""
         self.late_ms: list[float] = []
-        """By how much each command left later than it should."""
+        """The delay of each command."""
         self.refused: Counter[str] = Counter()
-        """Why a motion could not start over."""
+        """The reasons for which a motion could not restart."""
 
     def start(self) -> "Client":
         """Begin to move, once that is accepted."""
@@ -47,7 +47,7 @@ class Client:
         return self
 
     def again(self) -> bool:
-        """Ask for a lease, and say whether there is one; not at once, because who goes on without one is refused."""
+        """Ask for a lease, after a pause, as an insistent sender is refused; return whether it was granted."""
         self._lease = ""
         pass_time(PAUSE_S)
         reply = self._robot.ask("joints/command", self._command(time.monotonic()), source="bench")
@@ -79,11 +79,11 @@ class Client:
 
 
 class Watched:
-    """What the states of the joints show."""
+    """The analysis of the joints' states."""
 
     def __init__(self) -> None:
         self.ended = 0
-        """How often a motion ended, and was started over."""
+        """The number of motions that ended and were restarted."""
         self._reasons: Counter[str] = Counter()
         self._moved_at = nan
         self._longest_s = 0.0
@@ -95,13 +95,13 @@ class Watched:
         self._still = self._unmeasured = self._old = 0
 
     def take(self, messages: list[wire.RawMessage]) -> bool:
-        """Take in states; say whether there is still a motion."""
+        """Add states; return whether there is still a motion."""
         holder: str | None = "bench"
         for message in messages:
             state = msgspec.json.decode(message.payload, type=JointsState)
             holder = state.holder
             if state.sequence == self._last:
-                continue  # told for another reason than a sweep
+                continue  # published for another reason than a sweep
             self._lost += max(0, state.sequence - self._last - 1) if self._last >= 0 else 0
             self._last = state.sequence
             self._arrived.append(message.arrived)
@@ -120,7 +120,7 @@ class Watched:
         return holder is not None
 
     def figures(self) -> dict[str, Any]:
-        """Return what is to be told."""
+        """Return the figures to print."""
         slots = sum(max(0, round(error_ms / (PERIOD_S * 1e3))) for error_ms in gaps_ms(self._measured))
         passed_s = self._measured[-1] - self._measured[0] if len(self._measured) > 1 else nan
         return {
@@ -142,7 +142,7 @@ class Watched:
 
 
 def way(lower: float, upper: float) -> tuple[float, float]:
-    """Return the middle of a joint's way and how far it goes to each side."""
+    """Return the middle of a joint's range and the distance to each side."""
     lower, upper = max(lower, -MOST_RAD), min(upper, MOST_RAD)
     return (lower + upper) / 2, (upper - lower) * 0.45
 

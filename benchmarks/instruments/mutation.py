@@ -1,4 +1,4 @@
-"""Small faults in Python source: an operator turned, a bound moved, a check, a step or a field left out."""
+"""Small faults in Python source: a changed operator or bound, or a missing check, step or field."""
 
 import ast
 from collections.abc import Iterator
@@ -15,12 +15,12 @@ OPERATORS: dict[type[ast.operator], type[ast.operator]] = {
 CALLS = {"min": "max", "max": "min", "any": "all", "all": "any"}
 
 OF_RECORDS = {"frozen", "kw_only", "slots"}
-"""Options of records: they keep programmers from mistakes, and change nothing else; as `strict` of a zip does."""
+"""Options of records: they protect programmers from mistakes, and change nothing else; so does `strict` of a zip."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class Mutant:
-    """One fault: where it stands in a file, and both texts."""
+    """One fault: its place in a file, and both texts."""
 
     path: str
     line: int
@@ -35,7 +35,7 @@ class Mutant:
 
     @property
     def name(self) -> str:
-        """The fault for a reader, and for the list of those that change nothing."""
+        """Return the fault's description, also for the list of those that change nothing."""
         return f"{':'.join(filter(None, (self.path, self.within)))}: {' '.join(self.before.split())} -> {self.after}"
 
     def put_into(self, source: str) -> str:
@@ -50,7 +50,7 @@ class Mutant:
 
 
 def mutants(root: Path, path: str) -> list[Mutant]:
-    """Return every fault that a file may have, in order."""
+    """Return every possible fault of a file, in order."""
     source = (root / path).read_text()
     tree = ast.parse(source)
     skipped = {id(part) for node in ast.walk(tree) for part in _not_run(node)}
@@ -67,7 +67,7 @@ def mutants(root: Path, path: str) -> list[Mutant]:
 
 
 def _named(node: ast.AST, within: str) -> Iterator[tuple[ast.AST, str]]:
-    """Yield a node and all in it, each with the names of what it stands in."""
+    """Yield a node and all in it, each with the names of its surroundings."""
     yield node, within
     if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
         within = f"{within}.{node.name}" if within else node.name
@@ -76,7 +76,7 @@ def _named(node: ast.AST, within: str) -> Iterator[tuple[ast.AST, str]]:
 
 
 def _not_run(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield what no test can reach: annotations, protocols, what type checkers alone read, and options against programmers' mistakes."""
+    """Yield what no test can reach: annotations, protocols, code for type checkers, and guards against mistakes."""
     annotations = [getattr(node, "annotation", None), getattr(node, "returns", None)]
     if isinstance(node, ast.ClassDef) and any(ast.unparse(base).startswith("Protocol") for base in node.bases):
         annotations += node.body

@@ -1,6 +1,6 @@
 """Pages that look at a robot, as a program of its own: `page_viewers.py URL COUNT RATE_HZ TOKEN...`.
 
-Says "open" once all of them hear something, and how many frames a second each got when its input ends.
+Prints "open" once all of them have received something, and the frames a second of each when its input ends.
 """
 
 import asyncio

@@ -1,4 +1,4 @@
-"""Two multiprocessing.JoinableQueue hops, as many robots of this size are wired: the measure to compare with."""
+"""Two multiprocessing.JoinableQueue hops, the usual wiring of many robots of this size, for comparison."""
 
 import multiprocessing
 import time
@@ -9,14 +9,14 @@ from typing import Any
 
 
 class TwoHops:
-    """Parent to first process to second process, each hop a JoinableQueue; the second tells when it had the message."""
+    """Parent to first process to second process, each hop a JoinableQueue; the second reports the arrival."""
 
     def __init__(self, first: "multiprocessing.JoinableQueue[Any]", arrived: Connection) -> None:
         self._first = first
         self._arrived = arrived
 
     def once(self, message: dict[str, Any]) -> float:
-        """Send a message through; return milliseconds until it arrived."""
+        """Send a message through; return the milliseconds until its arrival."""
         at_ns = time.monotonic_ns()
         self._first.put(message)
         return float(self._arrived.recv() - at_ns) * 1e-6
@@ -36,7 +36,7 @@ def two_hops() -> Iterator[TwoHops]:
         worker.start()
     try:
         hops = TwoHops(first, here)
-        hops.once({})  # both are up once this has come through
+        hops.once({})  # both run once this has come through
         yield hops
     finally:
         first.put(None)

@@ -1,8 +1,8 @@
-"""A link that is not perfect, as a program of its own: `slow_link.py PORT DELAY_S LOSS GAP_S`.
+"""A bad link, as a program of its own: `slow_link.py PORT DELAY_S LOSS GAP_S`.
 
 It passes connections on to a port of this machine, and prints its own port. Each byte arrives `delay_s` later. A share
-`loss` of all pieces is lost once, as TCP shows a loss: the piece and all behind it arrive after it was sent again. Every 5 s
-nothing passes for `gap_s`.
+`loss` of all pieces is lost once, with the effect of TCP: the piece and all behind it arrive after a repetition. Every
+5 s nothing passes for `gap_s`.
 """
 
 import asyncio
@@ -11,7 +11,7 @@ import sys
 from functools import partial
 
 RESENT_S = 0.2
-"""Linux sends a lost segment again after this time at least (TCP_RTO_MIN)."""
+"""Linux repeats a lost segment after at least this time (TCP_RTO_MIN)."""
 GAP_EVERY_S = 5.0
 PIECE = 65_536
 

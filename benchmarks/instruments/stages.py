@@ -1,7 +1,7 @@
-"""When each stage of a command's way was reached, written by the processes on the way into memory that a file backs.
+"""The time of each stage of a command, written by the processes on its way to memory that a file backs.
 
-A process writes twenty-four bytes for each: what was reached, a number that goes with it, and the monotonic time. It
-costs a microsecond, and nothing where no folder is named in the environment: the shipped code knows nothing of it.
+A process writes twenty-four bytes for each: the stage, a number for it, and the monotonic time. It costs a microsecond,
+and nothing without a folder in the environment: the shipped code does not contain it.
 """
 
 import itertools
@@ -31,11 +31,11 @@ NAMES = (
     "gated",
     "written",
 )
-"""In the order of the way; `replied` lies before `sent` or behind `given`."""
+"""In the order of the way; `replied` comes before `sent` or after `given`."""
 
 
 class Stamps:
-    """One process's; the last 65,536 are kept."""
+    """The stages of one process; the last 65,536 are kept."""
 
     def __init__(self, folder: str) -> None:
         self._folder = Path(folder)
@@ -43,9 +43,9 @@ class Stamps:
         self._counts = itertools.count()
 
     def reached(self, stage: int, number: int = 0) -> None:
-        """Note that a stage was reached now."""
+        """Record that a stage is reached now."""
         at_ns = time.monotonic_ns()
-        if self._memory is None:  # not before this process has forked off
+        if self._memory is None:  # not before this process was forked
             with (self._folder / f"{os.getpid()}").open("w+b") as file:
                 file.truncate(ENTRY.size * MOST)
                 self._memory = mmap.mmap(file.fileno(), ENTRY.size * MOST)
@@ -53,7 +53,7 @@ class Stamps:
 
 
 class Stages:
-    """What all processes of a folder have noted, by stage and number."""
+    """The stages of all processes of a folder, by stage and number."""
 
     def __init__(self, folder: Path) -> None:
         self._at: dict[str, list[tuple[int, int]]] = defaultdict(list)

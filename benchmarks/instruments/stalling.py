@@ -1,4 +1,4 @@
-"""A connection that passes through us, and that we can hold up: what comes meanwhile is kept, and delivered at once."""
+"""A connection through this program, which can delay it: it keeps the bytes, and delivers them at once later."""
 
 import selectors
 import socket
@@ -12,7 +12,7 @@ _POLL_S = 0.02
 
 
 class Stalling:
-    """Passes TCP connections on to `port` on this machine; `stall` keeps what comes, `release` delivers it."""
+    """Passes TCP connections on to `port` on this machine; `stall` keeps the bytes, `release` delivers them."""
 
     def __init__(self, port: int) -> None:
         self._target = port
@@ -29,11 +29,11 @@ class Stalling:
         self._thread.start()
 
     def stall(self, way: Way) -> None:
-        """Deliver nothing from now on; the connections stay up."""
+        """Deliver nothing from now on; the connections stay open."""
         self._stalled = way
 
     def release(self) -> None:
-        """Deliver what was kept, and go on."""
+        """Deliver the kept bytes, and go on."""
         self._stalled = None
 
     def close(self) -> None:

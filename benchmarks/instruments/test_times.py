@@ -1,4 +1,4 @@
-"""A plugin of pytest: writes what each test took, and whether it passed, as JSON into the file that LBR_TEST_TIMES names."""
+"""A plugin of pytest: writes the duration and result of each test, as JSON to the file in LBR_TEST_TIMES."""
 
 import json
 import os

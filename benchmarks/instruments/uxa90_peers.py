@@ -1,4 +1,4 @@
-"""The other end of a UXA-90's line, a program of its own: `good PATH` is its main board, `bad PATH SEED` a spoilt line."""
+"""The other end of a UXA-90's line, a program of its own: `good PATH` is its main board, `bad PATH SEED` a bad line."""
 
 import heapq
 import os
@@ -20,7 +20,7 @@ FUZZ_KINDS = KINDS + ("blob",) * 5
 
 
 def good(path: str) -> None:
-    """Be the emulated main board, until the parent is gone."""
+    """Act as the emulated main board, until the parent is gone."""
     device = Device("board", "uxa90", path, {"trace": True})
     twin = Uxa90Twin(device, Surroundings(seed=1, now=time.monotonic()))
     while os.getppid() != 1:
@@ -31,7 +31,7 @@ def good(path: str) -> None:
 
 
 def bad(path: str, seed: int) -> None:
-    """Be servos at the end of a bad line, until the parent is gone."""
+    """Act as servos at the end of a bad line, until the parent is gone."""
     fuzzer = Fuzzer(seed=seed, share=FUZZ_SHARE, kinds=FUZZ_KINDS, blob_bytes=3000)
     master, slave = pty.openpty()
     tty.setraw(slave)

@@ -1,7 +1,6 @@
-"""A program's way to a robot, where lbr is not installed: what `lbr.client` exports.
+"""A program's connection to a robot, without an installed lbr: the exports of `lbr.client`.
 
-The modules of lbr that it needs come along in a folder that stands last on the path: an lbr that is installed goes
-before.
+It brings the modules of lbr that it needs, in a folder at the end of the path: an installed lbr has priority.
 """
 
 import sys

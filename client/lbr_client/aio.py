@@ -1,4 +1,4 @@
-"""The same robot for programs that run in an event loop: what `lbr.client.aio` has."""
+"""The same robot for programs with an event loop: the exports of `lbr.client.aio`."""
 
 from lbr.client.aio import AsyncMotion, AsyncRobot, connect
 

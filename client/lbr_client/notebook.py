@@ -1,4 +1,4 @@
-"""Cameras, numbers and the way of a robot in a notebook: what `lbr.client.notebook` has."""
+"""Cameras, numbers and the path of a robot in a notebook: the exports of `lbr.client.notebook`."""
 
 from lbr.client.notebook import plot, show, way
 

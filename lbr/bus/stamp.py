@@ -20,7 +20,7 @@ MAX_STAMP_BYTES = 2048
 
 
 class Origin(NamedTuple):
-    """The original asker of a passed-on request, and its time of typing or writing, on this machine's monotonic clock."""
+    """The original sender of a passed-on request, and when it was typed or written, on our monotonic clock."""
 
     source: str
     written_s: float

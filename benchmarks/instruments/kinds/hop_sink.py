@@ -1,4 +1,4 @@
-"""A capability that writes down how old each message of a stream was at its step."""
+"""A capability that records the age of each message of a stream at its step."""
 
 import time
 from pathlib import Path
@@ -20,7 +20,7 @@ class Tick(Struct, frozen=True):
 
 
 class Sink(Capability[NoSettings]):
-    """Hears them."""
+    """Receives them."""
 
     rate_hz = 5.0
 
@@ -29,7 +29,7 @@ class Sink(Capability[NoSettings]):
         self._file = (Path(ctx.home) / "hops.txt").open("w", buffering=2048)
 
     def step(self) -> None:
-        """Write down how old they are, in microseconds."""
+        """Write their ages, in microseconds."""
         for received in self.ctx.take("ticks"):
             self._file.write(f"{(time.monotonic_ns() - received.message.sent_ns) / 1e3:.1f}\n")
 

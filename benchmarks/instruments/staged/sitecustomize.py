@@ -1,4 +1,4 @@
-"""Notes the stages of a command's way in a robot's own processes, by functions put around theirs; on their PYTHONPATH."""
+"""Records the stages of a command in a robot's own processes, by wrapping their functions; on their PYTHONPATH."""
 
 import os
 import sys

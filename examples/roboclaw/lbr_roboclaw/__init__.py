@@ -1,4 +1,4 @@
-"""RoboClaw 2x motor controllers by packet serial: what the package brings to lbr."""
+"""RoboClaw 2x motor controllers by packet serial: the package's component."""
 
 from lbr.component import Component
 

@@ -15,7 +15,7 @@ from lbr_roboclaw.kind import Motor, RoboclawSettings
 SETUP_TRIES = 5
 LOST_IN_A_ROW = 4
 PACKET_PAUSE_S = 0.012
-"""After 10 ms without a byte the controller forgets a request that was begun."""
+"""After 10 ms without a byte, the controller drops an incomplete request."""
 BELIEVED_S = 1.0
 ROTATION = (wire.STATUS, wire.CURRENTS, wire.ENCODERS, wire.STATUS, wire.BATTERY, wire.TEMPERATURE, wire.GET_TIMEOUT)
 
@@ -23,8 +23,8 @@ ROTATION = (wire.STATUS, wire.CURRENTS, wire.ENCODERS, wire.STATUS, wire.BATTERY
 class Controller:
     """One RoboClaw on an open line; see `lbr.drivers.wheels.contract.WheelController`.
 
-    It acknowledges with one byte that says nothing of what it answers. After an answer was lost, an acknowledgement is
-    therefore believed only once an answer with a CRC has shown that both sides are in step again.
+    Its acknowledgement is one byte without reference to a request. After a lost answer, an acknowledgement therefore
+    counts only once an answer with a CRC has shown that both sides are in step again.
     """
 
     def __init__(
@@ -66,11 +66,11 @@ class Controller:
         self._insist(wire.STATUS, "does not tell its status")
 
     def close(self) -> bool:
-        """Write zero and close the line; return whether it was acknowledged, or no motor can turn."""
+        """Write zero and close the line; return whether that was acknowledged, or no motor can turn."""
         try:
             return not self._known or any(self._zeroed() for _ in range(3))
         except DeviceError:
-            return True  # the line is gone, for all that hold it
+            return True  # the line is gone, for all its users
         finally:
             self._line.close()
 
@@ -80,11 +80,11 @@ class Controller:
 
     @property
     def guard_stop(self) -> GuardStop:
-        """Return what its guard writes to stop it."""
+        """Return the bytes with which its guard stops it."""
         return GuardStop(wire.duty(self._settings.address, 0.0, 0.0), wire.ACKNOWLEDGED)
 
     def drive(self, *powers: float) -> None:
-        """Write the power of left and right; after a lost answer, something harmless is asked first."""
+        """Write the power of left and right; after a lost answer, ask a harmless question first."""
         if not all(map(isfinite, powers)):
             self.stop()
             return
@@ -102,7 +102,7 @@ class Controller:
         return stopped
 
     emergency_stop = stop
-    """It has no latch that could be set by the line: the robot's own keeps it at zero."""
+    """It has no latch that the line could set: the robot's own keeps it at zero."""
     release = stop
 
     def poll(self) -> None:
@@ -116,25 +116,25 @@ class Controller:
 
     @property
     def fed_s_ago(self) -> float:
-        """Seconds since a motor command was last written."""
+        """Return the seconds since a motor command was last written."""
         return self._clock() - self._fed
 
     @property
     def faults(self) -> tuple[str, ...] | None:
-        """Names of its faults; None: not known."""
+        """Return the names of its faults; None: not known."""
         status = self._fresh(wire.STATUS)
         return None if status is None else wire.faults(status)
 
     @property
     def grave(self) -> tuple[str, ...]:
-        """Those of its faults that the row does not tolerate."""
+        """Return the faults that the row does not tolerate."""
         return tuple(name for name in self.faults or () if name not in self._settings.tolerated_faults)
 
     def faults_after(self, when: float) -> tuple[str, ...] | None:
-        """It keeps no latch that could be lost."""
+        """Return no faults: it keeps no latch that could be lost."""
 
     def measured(self) -> Measured:
-        """Return what it measured last."""
+        """Return its last measurements."""
         battery, heat = self._numbers(wire.BATTERY, ">H"), self._numbers(wire.TEMPERATURE, ">H")
         amps, counts = self._numbers(wire.CURRENTS, ">hh"), self._numbers(wire.ENCODERS, ">ii")
         left, right = self._settings.left, self._settings.right
@@ -149,7 +149,7 @@ class Controller:
         )
 
     def _zeroed(self) -> bool:
-        """Write zero, and where its acknowledgement would prove nothing, read back that no motor gets power."""
+        """Write zero; if an acknowledgement would prove nothing, read back that no motor has power."""
         stopped = self._power(0.0, 0.0)
         if not self._in_step:
             stopped = self._ask(wire.PWM) == bytes(4)
@@ -172,14 +172,14 @@ class Controller:
         return max(-motor.max_power, min(motor.max_power, power))
 
     def _write(self, request: bytes) -> bool:
-        """Write a request that is acknowledged; say whether it was."""
+        """Write a request with an acknowledgement; return whether that came."""
         trusted = self._in_step
         heard = self._exchange(request, lambda heard: heard or None, 1)
         self._in_step = trusted and heard == wire.ACKNOWLEDGED
         return self._in_step
 
     def _ask(self, command: int) -> bytes | None:
-        """Ask for a value; its CRC shows that both sides are in step."""
+        """Ask for a value, whose CRC shows that both sides are in step."""
         address = self._settings.address
         data = self._exchange(
             wire.request(address, command), lambda heard: wire.answered(address, command, heard), wire.longest(command)
@@ -190,7 +190,7 @@ class Controller:
         return data
 
     def _exchange(self, request: bytes, understood: Callable[[bytes], bytes | None], most: int) -> bytes | None:
-        """Write a request and return what was understood of the answer; None: nothing, in time."""
+        """Write a request and return the decoded answer; None without one in time."""
         self._line.drop_input()
         self._beat()
         self._line.write(request)
@@ -207,7 +207,7 @@ class Controller:
         return None
 
     def _insist(self, command: int, trouble: str) -> bytes:
-        """Ask until it answers; a first request may end one that was left half written."""
+        """Ask until it answers; a first request may complete a half-written one."""
         for _ in range(SETUP_TRIES):
             if (data := self._ask(command)) is not None:
                 return data

@@ -8,7 +8,7 @@ from lbr.drivers.wheels import WheelsSettings, wheels_kind
 
 
 class Motor(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How one wheel's motor is wired: forward times `direction` goes to `channel`."""
+    """The wiring of one wheel's motor: forward times `direction` goes to `channel`."""
 
     channel: Literal[1, 2]
     direction: Literal[-1, 1] = 1
@@ -27,7 +27,7 @@ class RoboclawSettings(WheelsSettings, frozen=True, kw_only=True, forbid_unknown
     tolerated_faults: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        """Refuse wheels that share a channel, and tolerance for what must stop the robot."""
+        """Refuse wheels that share a channel, and tolerance for faults that must stop the robot."""
         if self.left.channel == self.right.channel:
             raise ValueError(f"left and right both use channel {self.left.channel}; give each wheel its own")
         if "emergency_stop" in self.tolerated_faults:

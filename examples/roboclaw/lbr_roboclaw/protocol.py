@@ -1,7 +1,7 @@
 """RoboClaw's packet serial: requests out, answers in, after Basicmicro's user manual (rev 5.7). No I/O.
 
-A request is address, command, data, and a CRC-16 of all that. A command that writes is answered by one byte 0xFF, one
-that reads by its data and a CRC-16 of request and data. Numbers are big-endian.
+A request is address, command, data, and a CRC-16 of these. The answer to a write is one byte 0xFF; to a read, its data
+and a CRC-16 of request and data. Numbers are big-endian.
 """
 
 import struct
@@ -22,7 +22,7 @@ SIZES: dict[int, Collection[int]] = {
     TEMPERATURE: (2,),
     STATUS: (2, 4),
 }
-"""How many bytes of data a command that reads is answered with; firmware before 4.1.20 has a status of two bytes."""
+"""The bytes of data in the answer to a read; firmware before 4.1.20 has a status of two bytes."""
 ACKNOWLEDGED = b"\xff"
 FULL = 32767
 TIMEOUT_STEP_MS = 100
@@ -31,7 +31,7 @@ FAULTS = (
     *("emergency_stop", "overheat", "overheat_2", "overvoltage", "logic_overvoltage", "logic_undervoltage"),
     *("driver_m1", "driver_m2", "speed_m1", "speed_m2", "position_m1", "position_m2", "current_m1", "current_m2"),
 )
-"""Bits of a status of four bytes, from the lowest. Those above are warnings and limit switches, which stop nothing."""
+"""Bits of a status of four bytes, from the lowest. Higher bits are warnings and limit switches, which stop nothing."""
 OLD_FAULTS = dict(enumerate((*("emergency_stop", "overheat", "overheat_2", "overvoltage"), *FAULTS[4:8]), start=2))
 """Bits of a status of two bytes."""
 
@@ -43,13 +43,13 @@ def request(address: int, command: int, data: bytes = b"") -> bytes:
 
 
 def duty(address: int, first: float, second: float) -> bytes:
-    """Return the request that gives both channels their power, -1..1; what is beyond is cut off."""
+    """Return the request that sets both channels' power, -1..1; other values are limited."""
     values = (round(max(-1.0, min(1.0, power)) * FULL) for power in (first, second))
     return request(address, DUTY, struct.pack(">hh", *values))
 
 
 def answered(address: int, command: int, heard: bytes) -> bytes | None:
-    """Return the data of the answer to a command that reads; None while it is not there, or not whole."""
+    """Return the data of the answer to a read; None while it is incomplete."""
     asked = crc_hqx(bytes((address, command)), 0)
     for size in SIZES[command]:
         if len(heard) < size + 2:
@@ -62,7 +62,7 @@ def answered(address: int, command: int, heard: bytes) -> bytes | None:
 
 
 def longest(command: int) -> int:
-    """Return how many bytes the longest answer to a command that reads has."""
+    """Return the number of bytes in the longest answer to a read."""
     return max(SIZES[command]) + 2
 
 

@@ -1,4 +1,4 @@
-"""How a RoboClaw is recognised: by the version that it tells at its first address."""
+"""The recognition of a RoboClaw: by the version that it reports at its first address."""
 
 from lbr.capability.recognition import Seen, SerialHandshake
 from lbr_roboclaw import protocol
@@ -7,7 +7,7 @@ ADDRESS = 0x80
 
 
 def seen(heard: bytes) -> Seen | None:
-    """Return the controller whose version, and the check bytes behind it, answer."""
+    """Return the controller, if its version and the check bytes are in the answer."""
     for start in range(len(heard)):
         version = protocol.answered(ADDRESS, protocol.VERSION, heard[start:])
         if version is not None and b"roboclaw" in version.lower():

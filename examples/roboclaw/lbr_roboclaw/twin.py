@@ -1,7 +1,7 @@
 """An emulated RoboClaw on a pty: packets in, answers out, motors, serial timeout. Imports nothing of the driver.
 
-Assumed where the manual leaves room: a request with a wrong CRC, or a command it does not know, gets no answer and does
-not feed the timeout; a command takes effect when its last byte has come.
+The manual leaves gaps. This twin assumes: a request with a wrong CRC, or an unknown command, gets no answer and does
+not feed the timeout. A command takes effect with its last byte.
 """
 
 import struct
@@ -23,7 +23,7 @@ PAUSE_S = 0.010
 TURNAROUND_S = 0.0003
 IDENTITY = b"USB RoboClaw 2x15a v4.2.4\n\0"
 DATA_BYTES = {14: 1, 34: 4} | dict.fromkeys((15, 21, 24, 48, 49, 78, 82, 90), 0)
-"""The commands that it knows, and how many bytes of data each brings."""
+"""Its known commands, with their bytes of data."""
 WRITES = (14, 34)
 E_STOP, OVERHEAT, UNDERVOLTAGE = 1, 2, 0x20
 
@@ -31,10 +31,10 @@ E_STOP, OVERHEAT, UNDERVOLTAGE = 1, 2, 0x20
 class RoboclawFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Faults of the controller; `unplug`: the cable is out while it goes on.
 
-    `silent`: it obeys but says nothing. `drop`, `bit_flip`, `garbage`: an answer is lost, has a bit wrong, has noise
+    `silent`: it obeys without answers. `drop`, `bit_flip`, `garbage`: an answer is lost, has a bit wrong, has noise
     before it. `brown_out`: its supply is gone, and with it its serial timeout. `pressed`: the emergency stop at its pin
-    S3. `overheat`, `undervoltage`: the fault, with the motors off. `no_watchdog`: its serial timeout can be set, and does
-    not stop it.
+    S3. `overheat`, `undervoltage`: the fault, with the motors off. `no_watchdog`: its serial timeout can be set, but
+    does not stop it.
     """
 
     silent: bool = False
@@ -49,7 +49,7 @@ class RoboclawFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
 
 class RoboclawRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How a `roboclaw` device row says it is wired: a direction of -1 turns the wheel back for a positive power."""
+    """The wiring of a `roboclaw` device row: with a direction of -1, the wheel turns back for a positive power."""
 
     faults: RoboclawFaults = RoboclawFaults()
     address: int = 0x80
@@ -87,7 +87,7 @@ class RoboclawTwin(PortTwin[PtyPort, RoboclawFaults]):
             self.port.write(answer)
 
     def next_due(self) -> float | None:
-        """Return when it next has something to say."""
+        """Return when it next sends."""
         return self._outbox.next_due()
 
     def wheels(self, now: float) -> tuple[float, float]:
@@ -106,7 +106,7 @@ class RoboclawTwin(PortTwin[PtyPort, RoboclawFaults]):
         self._sensed = sensed
 
     def _restart(self) -> None:
-        """Forget what was set, as without its supply."""
+        """Reset the settings, as without its supply."""
         self._begun.clear()
         self._timeout_s = 0.0
         self._duties = (0.0, 0.0)
@@ -120,7 +120,7 @@ class RoboclawTwin(PortTwin[PtyPort, RoboclawFaults]):
         return E_STOP * faults.pressed | OVERHEAT * faults.overheat | UNDERVOLTAGE * faults.undervoltage
 
     def _take(self, now: float) -> None:
-        """Obey a request that is whole."""
+        """Carry out a complete request."""
         begun = self._begun
         if begun[0] != self._row.address or (len(begun) > 1 and begun[1] not in DATA_BYTES):
             begun.clear()

@@ -11,7 +11,7 @@ from lbr.testing.device import plugged
 from lbr.testing.driver import DriverBench
 
 SETTINGS = '{"device": "motors", "guard_silence_ms": 250, "setpoint_valid_s": 0.25, "reply_timeout_s": 0.03}'
-"""As patient as a row may be: the machine that runs this may have much else to do."""
+"""As patient as a row may be: the machine of this test may be busy."""
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""What the packets mean, against examples worked out by hand and any bytes."""
+"""The encoding of the packets, against examples worked out by hand and any bytes."""
 
 from binascii import crc_hqx
 

@@ -1,4 +1,4 @@
-"""The small robot, as `lbr run` starts it: it drives by its emulated controller, and stops when its driver is killed."""
+"""The small robot, started by `lbr run`: it drives by its emulated controller, and stops when its driver is killed."""
 
 import os
 import signal
@@ -8,7 +8,7 @@ import pytest
 from lbr.testing.robot import NoAnswerError, running, until
 
 SLOWLY_S = 45.0
-"""Bounds waiting on a machine that has much else to do."""
+"""Limits waiting on a busy machine."""
 pytestmark = pytest.mark.timeout(150)
 
 
@@ -33,7 +33,7 @@ def speed(robot):
 
 
 def drives(robot):
-    """Drive back, by a motion that is asked for again until the wheels turn."""
+    """Drive back, by a motion that is repeated until the wheels turn."""
 
     def moving():
         try:

@@ -1,4 +1,4 @@
-"""A rover with four driven wheels: what the package brings to lbr."""
+"""A rover with four driven wheels: the package's component."""
 
 from lbr.component import Component
 

@@ -1,4 +1,4 @@
-"""A rover with four driven wheels: where its rows and launch profiles are. There is no other code."""
+"""A rover with four driven wheels: the places of its rows and launch profiles. There is no other code."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The rover in simulation, through its front door: it drives, turns, stops, knows how far it came, and heeds its lidar."""
+"""The whole rover in simulation: it drives, turns, stops, measures its way, and obeys its lidar."""
 
 import subprocess
 import sys
@@ -28,9 +28,9 @@ PATIENTLY = (
     "UPDATE capability SET settings = json_set(settings, '$.setpoint_valid_s', 0.25, '$.watchdog_ms', 250, '$.guard_silence_ms', 250)"
     " WHERE robot = 'rover' AND name = 'motors'"
 )
-"""It may hold up any process for a tenth of a second, and that would end a motion."""
+"""It may delay any process for a tenth of a second, which would otherwise end a motion."""
 SLOWLY_S = 45.0
-"""Bounds waiting on a machine that has much else to do; each takes a moment on one that has not."""
+"""Limits waiting on a busy machine; on an idle one, each wait takes a moment."""
 HELD_UP = {"not_armed", "lapsed", "dead_lease", "stale_sensor"}
 """Codes of a motion that ended because a process, or this test, came too late."""
 TRIES = 3
@@ -59,7 +59,7 @@ def until(look, what, within_s=SLOWLY_S):
 
 
 def hear(robot, line):
-    """Say a line until it is answered: on a busy machine an answer may come only when it is said again."""
+    """Send a line until it is answered: on a busy machine, only a repetition may get an answer."""
     for _ in range(TRIES - 1):
         with suppress(NoAnswerError):
             return robot.say(line)
@@ -97,7 +97,7 @@ def place(robot):
 
 
 def ended(robot, line):
-    """Say a line that has an end, holding its lease by saying it again and again; return how it ended."""
+    """Send a bounded line, repeating it to hold its lease; return how it ended."""
     before = (robot.ask("drive/result") or {}).get("goal")
     goal = lease = None
     word, *numbers = line.strip("/").split("/")
@@ -124,7 +124,7 @@ def ended(robot, line):
 
 
 def done(robot, line, look):
-    """Say a line that has an end, again if the machine held that up; return what was seen before it was done."""
+    """Send a bounded line, again if the machine delayed it; return the last look before its end."""
     for _ in range(TRIES):
         before, result = look(), ended(robot, line)
         if result["code"] not in HELD_UP:

@@ -1,4 +1,4 @@
-"""SO-101 arms of Feetech STS3215 servos: what the package brings to lbr."""
+"""SO-101 arms of Feetech STS3215 servos: the package's component."""
 
 from lbr.component import Component
 

@@ -19,7 +19,7 @@ _STATE = Struct("<BxHxxHH6x3HBB")
 
 
 class FeetechBus(ProtocolBus):
-    """The bus; all servos are read by one SYNC READ, which each answers with error bits of its own."""
+    """The bus; one SYNC READ reads all servos, and each answers with error bits of its own."""
 
     together_errors = True
 
@@ -46,7 +46,7 @@ class FeetechBus(ProtocolBus):
         return None if status is None else motion(status.error, *_PRESENT.unpack(status.params))
 
     def read_together(self, servos: tuple[int, ...]) -> list[Motion | None] | None:
-        """Return the same of each by one request; those behind an absent one are asked singly if it silenced them."""
+        """Return the same of each servo by one request; those that an absent one has silenced are asked singly."""
         found = self.ask_each(packet.sync_read(PRESENT, PRESENT_BYTES, servos), servos, PRESENT_BYTES)
         if self.cut_short or not found:
             return None
@@ -83,14 +83,14 @@ class FeetechBus(ProtocolBus):
         self.write_each(table.LIMIT, limits)
 
     def torque_off(self, servos: Collection[int]) -> None:
-        """Take the torque off all of them at the same time."""
+        """Switch the torque of all of them off at the same time."""
         self.write_each(table.TORQUE_ENABLE, dict.fromkeys(servos, 0))
 
     def torque_on(self, servo: int, speed: int, limit: int) -> int | str:
-        """Give a servo torque where it is, and return that position, or why not.
+        """Give a servo torque at its present position, and return that, or why it failed.
 
-        A servo acknowledges what it does not take, and may switch its torque on by a goal alone: what it holds is read
-        back, and a servo that holds another goal has its torque taken.
+        A servo also acknowledges values that it ignores, and a goal alone may switch its torque on. So its goal is read
+        back; with another goal, its torque is switched off.
         """
         ends = self.read(servo, table.LOWEST.address, 4)
         here = self.read_motion(servo) if ends is not None else None
@@ -112,19 +112,19 @@ class FeetechBus(ProtocolBus):
             )
             self.torque_off((servo,))
             return why
-        self.put(servo, table.TORQUE_ENABLE, 1)  # its acknowledgement may be lost: what is read back counts
+        self.put(servo, table.TORQUE_ENABLE, 1)  # its acknowledgement may be lost: the value that is read back counts
         if self.get(servo, table.TORQUE_ENABLE) != 1:
             self.torque_off((servo,))
             return "does not take its torque"
         return here.position
 
     def _behind(self, servo: int, servos: Sequence[int], seen: Mapping[int, Motion]) -> Motion | None:
-        """Ask a servo singly that said nothing, if that was perhaps for one before it in the list."""
+        """Ask a silent servo singly, if an absent one before it in the list may have silenced it."""
         place = servos.index(servo)
         silenced = place > 0 and not any(one in seen for one in servos[place - 1 :])
         return self.read_motion(servo, tries=1) if silenced and not self._urgent() else None
 
 
 def _course(goal: int, speed: int) -> bytes:
-    """Return goal, no time, and speed, as registers 42 to 47 hold them."""
+    """Return goal, no time, and speed, in the form of registers 42 to 47."""
     return table.goal_bytes(goal) + b"\0\0" + table.SPEED.encode(speed)

@@ -18,7 +18,7 @@ class Feetech(RegisterServos[FeetechSettings, FeetechBus]):
     """STS3215 servos on one line."""
 
     def connect(self, device: Device, urgent: Callable[[], bool]) -> ServoLink[FeetechBus]:
-        """Open the line; servos are looked at as they are found."""
+        """Open the line; each servo is examined when it is found."""
         settings, clock = self.ctx.settings, self.ctx.clock
         line = open_servo_line(device, settings.baud, settings.reply_margin_s)
         setup = Setup(settings.models, self.tell, check_phase=settings.check_phase)

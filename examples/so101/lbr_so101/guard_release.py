@@ -1,4 +1,4 @@
-"""The guard's program for STS3215; run as `lbr.drivers.servos.guard_release` says, with baud and margin at the end."""
+"""The guard's program for STS3215; run as in `lbr.drivers.servos.guard_release`, with baud and margin at the end."""
 
 import sys
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ from lbr_so101.model import Sts3215
 
 
 def released(line: int, servos: list[int], words: Sequence[str]) -> RegisterRelease:
-    """Return what the servos are told on a line with this baud and margin."""
+    """Return the guard's commands to the servos on a line with this baud and margin."""
     baud, margin_s = words
     bus = FeetechBus(ServoLine(line, "of the servos", int(baud), margin_s=float(margin_s)))
     return RegisterRelease(bus, Sts3215(), servos)

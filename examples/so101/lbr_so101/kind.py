@@ -1,7 +1,7 @@
-"""A bus of Feetech STS3215 servos, as an SO-101 arm has: its kind and its settings.
+"""A bus of Feetech STS3215 servos, as in an SO-101 arm: its kind and its settings.
 
-`table` is the control table, `bus` the transactions, `model` what the numbers mean, `setup` what is asked of a servo
-before it is used, `driver` all of it together, `twin` the emulated bus. What is not Feetech's own comes from
+`table` is the control table, `bus` the transactions, `model` the meaning of the numbers. `setup` checks a servo before
+its use, `driver` combines all of it, and `twin` is the emulated bus. The common part of all servo drivers is in
 `lbr.drivers.servos`.
 """
 
@@ -15,7 +15,7 @@ ModelNumber = Annotated[int, Meta(ge=1, le=0xFFFF)]
 
 
 class FeetechSettings(RegisterServosSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `feetech` may set."""
+    """The settings of a row of kind `feetech`."""
 
     baud: Annotated[int, Meta(ge=38_400, le=1_000_000)] = 1_000_000
     reply_margin_s: Annotated[

@@ -1,4 +1,4 @@
-"""What the numbers of STS3215 servos mean, and which faults keep one without torque."""
+"""The meaning of STS3215 servos' numbers, and the faults that keep one without torque."""
 
 from collections.abc import Callable
 
@@ -7,13 +7,13 @@ from lbr_so101 import table
 from lbr_so101.setup import Kept
 
 UNLOADING = 0x2C
-"""What takes a servo's torque as it leaves the factory: temperature, current, overload."""
+"""The faults that switch a servo's torque off by the factory's setting: temperature, current, overload."""
 NEAR_STEPS = 30
 """A loaded servo rests up to 2.6 degrees beside its goal."""
 
 
 class Sts3215:
-    """See `lbr.drivers.servos.contract.ServoModel`; `kept` tells of a servo what it keeps without power."""
+    """See `lbr.drivers.servos.contract.ServoModel`; `kept` returns the values that a servo keeps without power."""
 
     full_torque = table.FULL_TORQUE
     position_rad = staticmethod(table.position_rad)
@@ -27,7 +27,7 @@ class Sts3215:
         return max(0, min(table.LAST_STEP, table.CENTRE + round(angle_rad / table.RAD_PER_STEP)))
 
     def speed_raw(self, speed_rps: float | None) -> int:
-        """Return the speed to write; None is as fast as it goes."""
+        """Return the speed to write; None is the greatest."""
         if speed_rps is None:
             return table.FASTEST
         return max(1, min(table.FASTEST, round(speed_rps / table.RAD_PER_STEP)))
@@ -37,7 +37,7 @@ class Sts3215:
         return max(0, min(table.FULL_TORQUE, round(fraction * table.FULL_TORQUE)))
 
     def holding_goal(self, position: int, speed: int, goal: int) -> int:
-        """Return its own goal while it rests near that, or else where it is."""
+        """Return its own goal while it rests near that, otherwise its position."""
         return goal if speed == 0 and abs(goal - position) <= NEAR_STEPS else position
 
     def most_torque(self, servo: int) -> int:
@@ -46,6 +46,6 @@ class Sts3215:
         return kept.max_torque if kept else table.FULL_TORQUE
 
     def latched(self, servo: int, seen: Seen) -> tuple[str, ...]:
-        """Return the faults for which it has taken its own torque, or most of it."""
+        """Return the faults for which it has switched off its own torque, or most of it."""
         kept = self._kept(servo)
         return table.error_names(seen.error & ((kept.unloading if kept else UNLOADING) | table.OVERLOAD))

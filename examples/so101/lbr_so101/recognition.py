@@ -1,4 +1,4 @@
-"""How a bus of STS3215 is recognised: ids 1 to 12 are asked for their model number, which is read and never written."""
+"""The recognition of a bus of STS3215: ids 1 to 12 are asked for their model number, without any write."""
 
 from lbr.capability.recognition import Seen, SerialHandshake
 from lbr.drivers.servos.protocol1 import packet
@@ -9,7 +9,7 @@ STS3215 = 777
 
 
 def seen(heard: bytes) -> Seen | None:
-    """Return the servos that told this model number."""
+    """Return the servos that answered with this model number."""
     answers = packet.StatusParser().feed(heard)
     found = sorted(
         {one.id for one in answers if len(one.params) == 2 and int.from_bytes(one.params, "little") == STS3215}

@@ -1,4 +1,4 @@
-"""Getting to know a servo before it is used, and taking it out of its faults. Nothing that it keeps is written."""
+"""The check of a servo before its use, and its recovery from faults. No value that it keeps is changed."""
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
@@ -10,12 +10,12 @@ from lbr_so101.bus import FeetechBus
 
 GARBLED = 3
 COOLER_C = 5
-"""So far below its limit a servo must be before it is believed to have cooled down."""
+"""A servo must be so far below its limit to count as cooled down."""
 
 
 @dataclass(frozen=True, slots=True)
 class Kept:
-    """What of a servo's EEPROM the driver goes by."""
+    """The values of a servo's EEPROM on which the driver depends."""
 
     max_torque: int
     temperature_limit: int
@@ -25,7 +25,7 @@ class Kept:
 
 
 class Setup:
-    """Looks at what a servo keeps, and says why it cannot be used."""
+    """Checks the values that a servo keeps, and reports why it is unusable."""
 
     def __init__(self, models: Collection[int], tell: Tell, *, check_phase: bool = True) -> None:
         self.kept: dict[int, Kept] = {}
@@ -36,7 +36,7 @@ class Setup:
         self._told: dict[int, str] = {}
 
     def prepare(self, bus: FeetechBus, servo: int) -> str:
-        """Say what keeps a servo from being used now, or nothing; to be asked again later."""
+        """Return why a servo is unusable now, or an empty text; to be repeated later."""
         strays = bus.strays[servo]
         status = bus.read(servo, 0, table.EEPROM_BYTES, tries=1)
         if status is None:
@@ -49,7 +49,7 @@ class Setup:
         return self._said(servo, wrong)
 
     def recovery(self, servo: int) -> Callable[[FeetechBus], str] | None:
-        """Return the job that takes a servo out of its faults, and returns why it did not; None: it is not known yet."""
+        """Return the job that recovers a servo from its faults, and returns why it failed; None: not known yet."""
         kept = self.kept.get(servo)
         return None if kept is None else lambda bus: _recovered(bus, servo, kept)
 
@@ -76,7 +76,7 @@ class Setup:
         return ""
 
     def _said(self, servo: int, wrong: str) -> str:
-        """Tell it once, not at each look."""
+        """Report it once, not at each look."""
         if wrong and self._told.get(servo) != wrong:
             self._tell("servo_wrong", f"servo {servo} {wrong}", "warning")
         self._told[servo] = wrong
@@ -84,7 +84,7 @@ class Setup:
 
 
 def _recovered(bus: FeetechBus, servo: int, kept: Kept) -> str:
-    """Take its torque, by which an overload ends, and return what is still wrong."""
+    """Switch its torque off, which ends an overload, and return the remaining faults."""
     bus.put(servo, table.TORQUE_ENABLE, 0)
     state = bus.read_state(servo, inf)
     if state is None:

@@ -1,4 +1,4 @@
-"""The control table of an STS3215, as far as the driver uses it, and what its numbers are in SI units. No I/O.
+"""The registers of an STS3215 that the driver uses, and the conversion of their numbers to SI units. No I/O.
 
 Source: the vendor's table for firmware 3.6 and later ones. Signs are a bit, never a two's complement.
 """
@@ -11,7 +11,7 @@ from lbr.drivers.servos.protocol1.register import Register, as_sign_magnitude, s
 RAD_PER_STEP = 2.0 * pi / 4096
 CENTRE, LAST_STEP, FULL_TORQUE = 2048, 4095, 1000
 FASTEST = 4000
-"""Steps a second, more than any STS3215 turns; 0 is as fast as it can only where bit 3 of its phase is set."""
+"""Steps a second, more than any STS3215 turns; 0 is the greatest speed only if bit 3 of its phase is set."""
 SPEED_IN_STEPS, MANY_TURNS = 0x04, 0x10
 """Bits of the phase: speeds are in steps a second, not in fifties; positions count turns."""
 _SIGN, _LOAD_SIGN = 15, 10
@@ -50,33 +50,33 @@ class Motion(NamedTuple):
 
     @property
     def position_rad(self) -> float:
-        """Radians from the middle."""
+        """Return the position in radians from the middle."""
         return position_rad(self.position)
 
     @property
     def speed_rps(self) -> float:
-        """Radians a second."""
+        """Return the speed in radians a second."""
         return self.speed * RAD_PER_STEP
 
     @property
     def load_fraction(self) -> float:
-        """Fraction of its most."""
+        """Return the load as a fraction of its maximum."""
         return self.load / FULL_TORQUE
 
 
 def motion(error: int, position: int, speed: int, load: int) -> Motion:
-    """Return the motion that registers 56 to 61 tell."""
+    """Return the motion in registers 56 to 61."""
     where, fast = sign_magnitude(position, _SIGN), sign_magnitude(speed, _SIGN)
     return Motion(error, where, fast, sign_magnitude(load, _LOAD_SIGN))
 
 
 def goal_bytes(position: int) -> bytes:
-    """Return how a goal is written."""
+    """Return the bytes of a goal."""
     return GOAL.encode(as_sign_magnitude(position, _SIGN))
 
 
 def goal_of(raw: int) -> int:
-    """Return the goal that a register holds."""
+    """Return the goal in a register."""
     return sign_magnitude(raw, _SIGN)
 
 

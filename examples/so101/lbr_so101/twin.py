@@ -1,9 +1,8 @@
 """The emulated bus of STS3215 servos: rows, faults, servos and line, from the vendor's table, apart from the driver.
 
-Where the table leaves room, this one assumes: what cannot be read, and a packet that is not sound, is not answered; what
-may only be read stays as it is, and what is too large becomes the most there may be, also a goal beyond the limits, both
-without a word. What nobody has measured for sure is a setting of the row: `goal_switches_on`, `absent_ends_answers`,
-`lock_drops`.
+The table leaves gaps. This twin assumes: an unreadable register, or an invalid packet, gets no answer. A write to a
+read-only register is ignored, and a value out of range is limited, including a goal; neither is reported. Behaviours
+that nobody has measured for certain are settings of the row: `goal_switches_on`, `absent_ends_answers`, `lock_drops`.
 """
 
 from collections import deque
@@ -31,9 +30,9 @@ VOLTAGE, HEAT, OVERLOAD = 0x01, 0x04, 0x20
 BAUDS = (1_000_000, 500_000, 250_000, 128_000, 115_200, 76_800, 57_600, 38_400)
 NO_LOAD_RPS = 3400 * STEP_RAD
 SLOPE_RAD = 0.05
-"""Softer than the servo, which is nearly a switch: a world of steps of some milliseconds stays calm."""
+"""Softer than the servo, which is nearly a switch: a world with steps of some milliseconds stays calm."""
 GAP_S = 0.1
-"""A longer pause within a packet makes a servo drop it, as those of other makes do; nobody has measured it."""
+"""A longer pause within a packet makes a servo drop it, as with other makes; nobody has measured it."""
 LATE_S, BABBLE_S = 0.012, 0.004
 LEAST_SUPPLY_V = 3.5
 WARM_C = 35.0
@@ -62,10 +61,10 @@ class FeetechFaults(ServoBusFaults, frozen=True, kw_only=True, forbid_unknown_fi
 
 
 class FeetechRow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What hangs on a `feetech` device row's bus. `registers` are set before it is switched on, in all servos.
+    """The servos on a `feetech` device row's bus. `registers` are set in all servos before power-up.
 
-    `goal_switches_on`: a goal gives torque too. `absent_ends_answers`: to a SYNC READ nobody answers behind a servo that is
-    absent. `lock_drops`: what is written to be kept while that is locked has no effect, instead of one until power off.
+    `goal_switches_on`: a goal also gives torque. `absent_ends_answers`: in a SYNC READ, no servo answers after an
+    absent one. `lock_drops`: a write to a locked EEPROM has no effect, instead of one until power off.
     """
 
     faults: FeetechFaults = FeetechFaults()
@@ -86,13 +85,13 @@ def signed(raw: int, bit: int) -> int:
 
 
 def unsigned(value: float, bit: int) -> int:
-    """Return how such a number is held."""
+    """Return the register's form of such a number."""
     most = (1 << bit) - 1
     return min(most, round(abs(value))) | (most + 1 if value < 0 and round(value) else 0)
 
 
 class StsServo:
-    """A servo from power-up on; a world moves it by `feel`, else it turns by itself and carries nothing."""
+    """A servo from power-up on; a world moves it by `feel`, otherwise it turns by itself without load."""
 
     def __init__(self, number: int, settings: FeetechRow) -> None:
         self._settings = settings
@@ -118,12 +117,12 @@ class StsServo:
 
     @property
     def id(self) -> int:
-        """Its number on the bus."""
+        """Return its number on the bus."""
         return self.table[5]
 
     @property
     def torque(self) -> bool:
-        """Whether it has any."""
+        """Return whether it has torque."""
         return self.drive().torque > 0.0
 
     def word(self, address: int) -> int:
@@ -131,7 +130,7 @@ class StsServo:
         return self.table[address] | self.table[address + 1] << 8
 
     def power(self, *, on: bool) -> None:
-        """Give or take its supply; what it does not keep is forgotten."""
+        """Switch its supply; without it, values that it does not keep are reset."""
         if on and not self.powered:
             self.table[:RAM] = self._flash
             for address, (_, _, value) in _REGISTERS.items():
@@ -142,19 +141,19 @@ class StsServo:
         self.powered, self._drive = on, None
 
     def suffer(self, *, hot: bool, low: bool, blocked: bool, strained: bool) -> None:
-        """Make it hot, its supply low, its joint fast, or strain it once beyond its torque."""
+        """Make it hot, lower its supply, block its joint, or strain it once beyond its torque."""
         self.overloaded = self.overloaded or (strained and not self.strained)
         self.hot, self.low, self.blocked, self.strained, self._drive = hot, low, blocked, strained, None
 
     def errors(self) -> int:
-        """Return what is wrong with it now."""
+        """Return its present errors."""
         found = OVERLOAD if self.overloaded else 0
         if not self.table[15] <= self._tenths() <= self.table[14]:
             found |= VOLTAGE
         return found | (HEAT if self._celsius() > self.table[13] else 0)
 
     def drive(self) -> ServoDrive:
-        """Return what its registers make of its motor; the same object until one of them changed."""
+        """Return the motor's state by the registers; the same object until one of them changes."""
         if self._drive is None:
             table, speed = self.table, abs(signed(self.word(46), 15))
             share = self.word(48) / 1000.0
@@ -172,7 +171,7 @@ class StsServo:
         return self._drive
 
     def feel(self, felt: ServoFelt, supply_v: float, now: float) -> None:
-        """Take in where the world has it; from then on it does not turn by itself."""
+        """Set the angle at which the world has it; from then on it does not turn by itself."""
         self._by_itself = False
         if round(supply_v * 10) != round(self.supply_v * 10):
             self.supply_v, self._drive = supply_v, None
@@ -190,7 +189,7 @@ class StsServo:
         self._take(felt, now)
 
     def execute(self, code: int, parameters: bytes) -> bytes | None:
-        """Do what an instruction says; return the bytes that it answers, None: nothing."""
+        """Carry out an instruction; return the bytes of its answer, None without one."""
         acknowledges = b"" if self.table[8] else None
         if code == PING:
             return b""
@@ -211,7 +210,7 @@ class StsServo:
         return acknowledges if code == RESET_TURNS else None
 
     def write(self, address: int, data: bytes) -> None:
-        """Write what may be written, each within its bounds, and keep what is to be kept if that is open."""
+        """Write the writable registers, within their bounds, and keep values in the EEPROM if that is unlocked."""
         goal_given = address <= 42 < address + len(data)
         shifts = address <= 40 < address + len(data) and data[40 - address] == 128
         torque, locked = self.table[40], bool(self.table[55])
@@ -278,7 +277,7 @@ class FeetechTwin(PortTwin[PtyPort, FeetechFaults]):
         super().__init__(device.name, PtyPort(device.address), self.settings.faults)
         self.servos = {number: StsServo(number, self.settings) for number in self.settings.ids}
         self.log: deque[tuple[int, int, bytes]] = deque(maxlen=4096)
-        """What was heard last: id, instruction, parameters."""
+        """The last instructions received: id, instruction, parameters."""
         self._random = Random(around.seed_for(device))
         self._struck: FeetechFaults | None = None
         self._supplied = True
@@ -305,19 +304,19 @@ class FeetechTwin(PortTwin[PtyPort, FeetechFaults]):
             self.port.write(self._out.popleft()[1])
 
     def next_due(self) -> float | None:
-        """Return when it next has something to say."""
+        """Return when it next sends."""
         dues = [self._out[0][0]] if self._out else []
         return min([*dues, self._babbled] if self._faults.babbling else dues, default=None)
 
     def sense(self, sensed: Sensed) -> None:
-        """Nothing: its servos feel each step of the world."""
+        """Do nothing: its servos feel each step of the world."""
 
     def drives(self, _now: float) -> Mapping[int, ServoDrive]:
-        """Return what each servo's motor does now; a servo without supply is limp."""
+        """Return each servo's motor state; a servo without power is limp."""
         return {number: servo.drive() for number, servo in self.servos.items()}
 
     def feel_servos(self, felt: Mapping[int, ServoFelt], supply_v: float, now: float) -> None:
-        """Take in where the world has the servos, and the voltage of their supply."""
+        """Set the servos' angles in the world, and the voltage of their supply."""
         if (supply_v >= LEAST_SUPPLY_V) != self._supplied:
             self._supplied = supply_v >= LEAST_SUPPLY_V
             self._strike()
@@ -354,7 +353,7 @@ class FeetechTwin(PortTwin[PtyPort, FeetechFaults]):
                 self._say(said, servo.id, free + (self.settings.eeprom_ms * 1e-3 if slow else 0.0))
 
     def _instructions(self) -> Iterator[tuple[int, int, bytes]]:
-        """Yield id, instruction and parameters of each sound packet that is whole."""
+        """Yield id, instruction and parameters of each complete and valid packet."""
         while len(self._held) >= 4:
             number, length = self._held[2], self._held[3]
             if self._held[:2] != b"\xff\xff" or number > BROADCAST or not 2 <= length <= 250:
@@ -367,7 +366,7 @@ class FeetechTwin(PortTwin[PtyPort, FeetechFaults]):
                     yield number, packet[4], packet[5:-1]
 
     def _answers(self, number: int, code: int, parameters: bytes, baud: int) -> Iterator[tuple[StsServo, bytes]]:
-        """Yield who answers, and its packet, in the order of the line."""
+        """Yield the answering servos with their packets, in the order of the line."""
         there = [one for one in self.servos.values() if self._hears(one, baud)]
         if number == BROADCAST and code == SYNC_READ:
             yield from self._read_together(there, parameters)

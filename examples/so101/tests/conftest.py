@@ -1,4 +1,4 @@
-"""What the tests share: the twin on a pty, and the driver beside it. They need the package installed beside lbr."""
+"""The common part of the tests: the twin on a pty, with the driver. They need the package installed beside lbr."""
 
 import time
 
@@ -20,9 +20,10 @@ SETTINGS = '{"device": "arm", "guard": false, "reply_margin_s": 0.03, "setpoint_
 
 
 class Arm(DriverBench):
-    """The driver beside its twin, and a sender of goals that says the same until told otherwise.
+    """The driver beside its twin, and a sender that repeats its goals until they change.
 
-    A machine that holds up the test for longer than a setpoint lives ends the motion: then the sender begins another.
+    A busy machine may delay the test for longer than a setpoint lives, which ends the motion: then the sender begins
+    another.
     """
 
     def __init__(self, device, settings=SETTINGS):
@@ -47,7 +48,7 @@ class Arm(DriverBench):
         self.goals = tuple(ServoGoal(id=number, **goal) for number in IDS)
 
     def on(self, **goal):
-        """Have every servo under torque, with a goal, and the driver know of it."""
+        """Give every servo torque and a goal, and wait until the driver knows."""
         self.send(**goal)
         self.until(lambda: all(self.torques()) and self.each(lambda one: one.torque and not one.reason), "torque")
 
@@ -63,7 +64,7 @@ class Arm(DriverBench):
         return next((one for one in self.state.servos if one.id == number), None) if self.state else None
 
     def reason(self, number):
-        """Return what is wrong with a servo; empty, too, while its first looks are under way."""
+        """Return a servo's fault; empty, too, while its first looks are under way."""
         seen = self.seen(number)
         return seen.reason if seen else ""
 
@@ -71,7 +72,7 @@ class Arm(DriverBench):
         return self.state is not None and len(self.state.servos) == len(IDS) and all(map(check, self.state.servos))
 
     def steps(self, seconds):
-        """Go on for a while."""
+        """Step for a while."""
         end = time.monotonic() + seconds
         self.until(lambda: time.monotonic() > end, "time")
 

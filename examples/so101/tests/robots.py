@@ -1,4 +1,4 @@
-"""A whole SO-101 for a test: `lbr run so101-sim`, and what a person does with it."""
+"""A whole SO-101 for a test: `lbr run so101-sim`, and a person's actions with it."""
 
 import time
 from contextlib import contextmanager
@@ -6,13 +6,13 @@ from contextlib import contextmanager
 from lbr.testing.robot import NoAnswerError, running
 
 SLOWLY_S = 45.0
-"""Bounds waiting on a machine that has much else to do; each takes a moment on one that has not."""
+"""Limits waiting on a busy machine; on an idle one, each wait takes a moment."""
 
 PAUSE_S = 0.3
-"""After that a sender counts as one that has paused."""
+"""After this time a sender counts as one that has paused."""
 
 HELD_UP = ("late", "stale_sensor")
-"""Why a line is refused on a machine that let a process wait: the line itself, or what it is judged by."""
+"""Codes of a refusal on a machine that delayed a process: the line itself, or a reading that judges it."""
 
 
 def until(look, what, within_s=SLOWLY_S):
@@ -24,32 +24,32 @@ def until(look, what, within_s=SLOWLY_S):
 
 
 class Arms:
-    """The robot as its operator sees it; `follower` and `leader` are where the joints are, by the follower's names."""
+    """The robot for its operator; `follower` and `leader` are the angles of the joints, by the follower's names."""
 
     def __init__(self, robot):
         self.robot = robot
 
     def say(self, line):
-        """Say a line that is not refused; if this machine held it or the driver up until it was too late, say it again."""
+        """Send a line that must be accepted; repeat it if this machine delayed it or the driver too long."""
         reply = until(lambda: (said := self.robot.say(line))["reason_code"] not in HELD_UP and said, f"{line} in time")
         assert reply["code"] == 0, reply
         return reply
 
     def hear(self, line):
-        """Say a line that may be refused; on a busy machine an answer may come only when it is said again."""
+        """Send a line that may be refused; on a busy machine, only a repetition may get an answer."""
         try:
             return self.robot.say(line)
         except NoAnswerError:
             return {"code": 1, "text": "", "hold": None}
 
     def follow(self, condition, what):
-        """Teleoperate until something is so; a busy machine may end it, and let the follower go: then it is begun again."""
+        """Teleoperate until a condition holds; begin again if a busy machine has ended it."""
 
         def look():
             if self.state("teleop")["phase"] == "idle":
                 self.hear("/torque/on")
                 if self.hear("teleop").get("reason_code") == "rest_first":
-                    time.sleep(PAUSE_S)  # what was asked for at a reset is asked for anew, by who has paused
+                    time.sleep(PAUSE_S)  # after a reset, only a sender that has paused may ask again
             return condition()
 
         until(look, what)
@@ -58,15 +58,15 @@ class Arms:
         return self.state("teleop")["phase"]
 
     def state(self, name):
-        """What it published last; on a busy machine that may have to be asked for again."""
+        """Return its last state; on a busy machine, after several questions."""
         return until(lambda: self.robot.ask(f"{name}/state"), f"the state of {name}")
 
     def servos(self, arm="arm"):
-        """What the driver reads back from the bus, by the servos' numbers."""
+        """Return the driver's readings from the bus, by the servos' numbers."""
         return {servo["id"]: servo for servo in self.state(arm).get("servos", [])}
 
     def measured(self, arm):
-        """Say whether all servos of an arm were heard."""
+        """Return whether all servos of an arm have answered."""
         servos = self.servos(arm).values()
         return len(servos) == 6 and all(one["voltage_v"] and one["position_rad"] is not None for one in servos)
 
@@ -74,7 +74,7 @@ class Arms:
         return self.state(name).get("joints", {})
 
     def at(self, joint, name="joints"):
-        """Say where a joint is; a servo that did not answer for a moment is looked at again."""
+        """Return the angle of a joint; look again if a servo did not answer for a moment."""
         known = lambda: self.joints(name).get(joint, {}).get("position_rad") is not None  # noqa: E731 - short
         until(known, f"where {joint} is")
         return self.joints(name)[joint]["position_rad"]
@@ -87,7 +87,7 @@ class Arms:
         until(lambda: all(self.torques(arm)), "torque")
 
     def play(self, word):
-        """Play a pose to its end, renewing its lease as a console does; again if this machine was too busy for that."""
+        """Play a pose to its end, renewing its lease like a console; again if this machine was too busy."""
         for _ in range(3):
             ended = self._play(word)
             if ended["code"] != "lapsed":
@@ -119,7 +119,7 @@ class Arms:
 
 @contextmanager
 def arms(*edits):
-    """Run the robot for the time of a `with`, from when all servos were found."""
+    """Run the robot for the time of a `with`, from the moment when all servos were found."""
     with running("so101-sim", edits=edits) as robot:
         found = Arms(robot)
         for driver in ("arm", "leader_arm"):

@@ -1,4 +1,4 @@
-"""Calibration by itself: what a hand's ways tell of joints, and when nothing is written."""
+"""Calibration by itself: the rows from a hand's movements, and when no row is written."""
 
 from math import nan
 

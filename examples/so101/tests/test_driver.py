@@ -1,4 +1,4 @@
-"""The driver against the emulated bus on a pty: what moves, what holds, and what is told."""
+"""The driver against the emulated bus on a pty: motion, holding, and reports."""
 
 import pytest
 from conftest import IDS, Arm

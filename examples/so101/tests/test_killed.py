@@ -1,4 +1,4 @@
-"""A killed driver: its guard holds the servos where they are, fades their torque, and takes it."""
+"""A killed driver: its guard holds the servos where they are, fades their torque, and switches it off."""
 
 import subprocess
 import sys

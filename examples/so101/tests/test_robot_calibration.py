@@ -1,4 +1,4 @@
-"""An arm whose servos sit otherwise than its rows say is calibrated by a hand, and its rows are right from then on."""
+"""A hand calibrates an arm whose servos are mounted unlike its rows; from then on its rows are right."""
 
 import sqlite3
 from contextlib import closing

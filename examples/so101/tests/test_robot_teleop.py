@@ -1,4 +1,4 @@
-"""Teleoperation by the whole robot, a hand at the leader; whatever is lost is judged at the follower's bus."""
+"""Teleoperation by the whole robot, a hand at the leader; every loss is judged at the follower's bus."""
 
 import os
 import signal
@@ -15,12 +15,12 @@ PATIENT = (
     setting("joints", ttl_s=1.0),
     setting("teleop", max_age_s=1.0),
 )
-"""A busy machine may hold up any process for some tenths of a second; what is judged here is what comes after."""
+"""A busy machine may delay any process for some tenths of a second; these tests judge the time after that."""
 
 
 @pytest.fixture(scope="module")
 def robot():
-    """One for all tests: each begins by giving the follower torque, and by a new teleoperation."""
+    """One robot for all tests: each begins by giving the follower torque, and by a new teleoperation."""
     with arms(*PATIENT) as found:
         yield found
 
@@ -30,7 +30,7 @@ def near(robot):
 
 
 def let_go(robot, lost):
-    """Judge at the bus: the servos stand soon, with torque; that fades, and is off, and not too soon."""
+    """Judge at the bus: the servos soon stand, with torque; that fades, and is off, and not too soon."""
     until(lambda: robot.state("arm")["phase"] != "following", "the follower holds", 8.0)
     at = robot.servos()[1]["position_rad"]
     until(lambda: not any(robot.torques()), "the follower without torque")
@@ -48,7 +48,7 @@ def begun(robot, degrees):
 
 
 def stopped(robot):
-    """Stop it while it follows, and return why it ended: on a busy machine that may be something earlier."""
+    """Stop it while it follows, and return why it ended: on a busy machine, possibly for an earlier reason."""
     robot.follow(lambda: robot.phase() == "following", "it follows")
     robot.say("s")
     return robot.teleop("idle")["code"]

@@ -1,4 +1,4 @@
-"""Teleoperation by itself: which pose is followed, how, and what ends it."""
+"""Teleoperation by itself: the followed pose, the phases, and the ends."""
 
 from math import inf, isfinite, nan
 
@@ -70,7 +70,7 @@ REFUSED = {"joints": CommandReply(accepted=False, reason="the emergency stop is 
 
 
 class Bench:
-    """The capability, a leader and a follower that say what the test has them say, and joints that answer."""
+    """The capability, with a leader and a follower whose states the test sets, and joints that answer."""
 
     def __init__(self):
         self.ctx = FakeContext(KIND, SETTINGS, given=JOINTS)

@@ -13,7 +13,9 @@ class Part:
 
     `reason` and `code` explain its phase. `final_report` announces an end. `last_end` is the last end that was not
     requested. `reported` is a phase that counts once the capability is present on the bus. `announced` are the last
-    announced phase and reason. `announce_at` is when an unsettled start is announced. `suspect` is the first look at its threads in a silence, `newest` the latest; `look_at` is when to look again. `usual` is the latest look while it runs normally, for how long it waits for a processor.
+    announced phase and reason. `announce_at` is when an unsettled start is announced. `suspect` is the first look at
+    its threads in a silence, `newest` the latest; `look_at` is when to look again. `usual` is the latest look while it
+    runs normally, for how long it waits for a processor.
     """
 
     def __init__(self, spec: ProcessSpec) -> None:

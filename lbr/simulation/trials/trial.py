@@ -133,7 +133,7 @@ class TableTrial(ABC):
         return others
 
     @property
-    def told(self) -> list[Told]:
+    def events(self) -> list[Told]:
         """Return the events so far."""
         return self.board.told
 

@@ -1,4 +1,4 @@
-"""Calibration of an arm: its joint rows are learnt from a hand that holds it at 0, then moves every joint to its ends."""
+"""Calibration of an arm: a hand holds it at 0, then moves every joint to its ends; that gives its joint rows."""
 
 from typing import Annotated
 
@@ -12,7 +12,7 @@ from lbr.messages.servos import ServosState
 
 
 class CalibrationSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `arm_calibration` may set."""
+    """The settings of a row of kind `arm_calibration`."""
 
     bus: BusOfJoints = ""
     enough_rad: Annotated[float, Meta(ge=0.1, le=1.0, description="a joint that moved less keeps sign and limits")] = (
@@ -26,11 +26,11 @@ class ZeroCommand(Struct, frozen=True, kw_only=True):
 
 
 class DoneCommand(Struct, frozen=True, kw_only=True):
-    """Every joint was moved: write down what was learnt."""
+    """Every joint was moved: store the learnt rows."""
 
 
 class Swept(Struct, frozen=True, kw_only=True):
-    """How far a joint was moved from 0, in radians as it will count."""
+    """The range that a joint was moved from 0, in radians of its later row."""
 
     lower_rad: float
     upper_rad: float
@@ -38,7 +38,7 @@ class Swept(Struct, frozen=True, kw_only=True):
 
 
 class CalibrationState(Struct, frozen=True, kw_only=True):
-    """Whether it is under way, and how far each joint was moved."""
+    """The progress of a calibration: while it is `running`, and the range that each joint was moved."""
 
     running: bool
     joints: dict[str, Swept] = {}

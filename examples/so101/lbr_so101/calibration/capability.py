@@ -21,7 +21,7 @@ NEXT = (
 
 
 class Calibration(Capability[CalibrationSettings]):
-    """Nothing is written into servos, and nothing at all before all is known."""
+    """Learns joint rows. It writes nothing to servos, and nothing at all before all values are known."""
 
     rate_hz = 50.0
 
@@ -36,7 +36,7 @@ class Calibration(Capability[CalibrationSettings]):
         self._tell_at = -inf
 
     def step(self) -> None:
-        """Look where the servos are."""
+        """Read the servos' positions."""
         if self._sweep is not None:
             self._look(self._sweep)
         if self.ctx.clock() >= self._tell_at:
@@ -72,7 +72,7 @@ class Calibration(Capability[CalibrationSettings]):
                 return
 
     def _places(self) -> Mapping[int, float]:
-        """Return where every servo is; raise InputError naming one that is not measured, or has torque."""
+        """Return the position of every servo; raise InputError for one that is not measured, or has torque."""
         newest = self.ctx.latest("servos")
         if newest is None or not newest.age_s(self.ctx.clock()) <= FRESH_S:
             raise InputError("the servo driver has not told for a while where the servos are", "stale_sensor")

@@ -1,4 +1,4 @@
-"""What is learnt of joints that a hand moves: pure."""
+"""The values learnt of joints that a hand moves: pure."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import degrees, pi
@@ -12,7 +12,7 @@ from lbr_so101.calibration import CalibrationSettings, Swept
 
 
 class Way(NamedTuple):
-    """Servo angles of one joint: at 0, the least, the most, the last; and the sign of the way that it went first."""
+    """Servo angles of one joint: at 0, the least, the greatest, the last; and the sign of its first direction."""
 
     zero: float
     least: float
@@ -25,12 +25,12 @@ Sweep = Mapping[int, Way]
 
 
 def begin(places: Mapping[int, float]) -> Sweep:
-    """Return what is known of servos that are held at 0."""
+    """Return the sweep of servos that are held at 0."""
     return {servo: Way(at, at, at, at) for servo, at in places.items()}
 
 
 def moved(sweep: Sweep, places: Mapping[int, float], enough_rad: float) -> Sweep:
-    """Return what is known after another look; raise InputError if a servo went over the seam of its turn."""
+    """Return the sweep after another look; raise InputError if a servo crossed the seam of its turn."""
     found = dict(sweep)
     for servo, at in places.items():
         way = sweep.get(servo)
@@ -48,7 +48,7 @@ def moved(sweep: Sweep, places: Mapping[int, float], enough_rad: float) -> Sweep
 
 
 def swept(joint: Joint, way: Way, settings: CalibrationSettings) -> Swept:
-    """Return how far a joint was moved."""
+    """Return the range that a joint was moved."""
     sign = way.sign or joint.sign
     lower, upper = sorted((sign * (way.least - way.zero), sign * (way.most - way.zero)))
     enough = way.sign != 0 and upper - lower > 2.0 * settings.margin_rad + settings.enough_rad
@@ -56,7 +56,7 @@ def swept(joint: Joint, way: Way, settings: CalibrationSettings) -> Swept:
 
 
 def learnt(joints: Iterable[Joint], sweep: Sweep, settings: CalibrationSettings) -> tuple[Joint, ...]:
-    """Return the rows as they are to be; a joint that was hardly moved gets its zero alone."""
+    """Return the new rows; a joint that was hardly moved only gets its zero."""
     found = []
     for joint in joints:
         way = sweep[joint.device_id]
@@ -69,7 +69,7 @@ def learnt(joints: Iterable[Joint], sweep: Sweep, settings: CalibrationSettings)
 
 
 def beyond(joints: Iterable[Joint], steps: Sequence[MotionStep]) -> str:
-    """Return which key frames would not be within the limits any more, or nothing."""
+    """Return the key frames that would exceed the new limits, or an empty text."""
     limits = {joint.name: joint for joint in joints}
     wrong = [
         f"{step.full_name} has {name} at {degrees(angle):.0f} degrees"

@@ -1,4 +1,4 @@
-"""Teleoperation: an arm goes where another one is moved by hand, under a lease as anybody else's motion."""
+"""Teleoperation: an arm follows another one that a hand moves, under a lease like any other motion."""
 
 from typing import Annotated, Literal
 
@@ -15,7 +15,7 @@ Phase = Literal["idle", "approaching", "following"]
 
 
 class TeleopSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a row of kind `teleop` may set. A joint of the leader is called as the follower's, behind `leader`."""
+    """The settings of a row of kind `teleop`. A joint of the leader has the follower's name after `leader`."""
 
     leader: Annotated[str, Meta(pattern="^[a-z][a-z0-9_]*$", max_length=30)] = "leader_"
     bus: BusOfJoints = ""
@@ -28,11 +28,11 @@ class TeleopSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
 
 class TeleopCommand(Struct, frozen=True, kw_only=True):
-    """Have the follower go where the leader is, until a stop; slowly at first."""
+    """Have the follower follow the leader, until a stop; slowly at first."""
 
 
 class TeleopState(Struct, frozen=True, kw_only=True):
-    """What it does, how far the worst joint is from the leader's, how regularly it tells the follower; why it ended."""
+    """The phase, the gap of the worst joint, the regularity of commands, and the reason of the last end."""
 
     phase: Phase
     gap_rad: float | None = None

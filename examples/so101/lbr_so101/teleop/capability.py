@@ -1,4 +1,4 @@
-"""Teleoperation as a capability: reads the leader fifty times a second, and has the follower's joints go there."""
+"""Teleoperation as a capability: reads the leader fifty times a second, and moves the follower's joints to it."""
 
 from dataclasses import dataclass, field
 from math import inf, isfinite
@@ -21,7 +21,7 @@ JOINTS = LeaseTarget("move", "halt", "joints operation", "the follower's joints 
 
 @dataclass(slots=True)
 class _Following:
-    """What is under way; `call` waits for the answer until the follower is ours."""
+    """The following under way; `call` waits for the answer until the follower's lease is granted."""
 
     lease: LeaseClient
     call: Call | None
@@ -33,7 +33,10 @@ class _Following:
 
 
 class Teleop(Capability[TeleopSettings]):
-    """The follower holds when this ends in order; when the leader is lost, or this, it is let go slowly after its `hold_s`."""
+    """Follows the leader.
+
+    At an orderly end the follower holds. If the leader or this is lost, it goes limp slowly after its `hold_s`.
+    """
 
     rate_hz = RATE_HZ
     woken_by_streams = False
@@ -45,11 +48,11 @@ class Teleop(Capability[TeleopSettings]):
         self._tell_at = -inf
 
     def open(self) -> None:
-        """Begin with nobody following."""
+        """Begin without following."""
         self._tell_at = -inf
 
     def step(self) -> None:
-        """Go where the leader is now."""
+        """Send the follower to the leader's pose."""
         if self._following is not None:
             self._go_on(self._following)
         if self.ctx.clock() >= self._tell_at:

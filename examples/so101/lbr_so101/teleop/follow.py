@@ -1,4 +1,4 @@
-"""Where the follower is to go, and how: pure functions of what both arms say."""
+"""The goal of the follower, and its phase: pure functions of both arms' states."""
 
 from collections.abc import Mapping, Sequence
 from math import inf, isfinite
@@ -13,7 +13,7 @@ Pose = Mapping[str, float]
 def pose_of(
     leader: JointsState | None, age_s: float, joints: Sequence[Joint], settings: TeleopSettings
 ) -> Pose | Reason:
-    """Return the leader's pose within the follower's limits; or why it is not known. NaN and an old reading are none."""
+    """Return the leader's pose within the follower's limits, or why it is unknown; NaN and old readings are invalid."""
     if leader is None or not age_s <= settings.max_age_s:
         return Reason("stale_sensor", f"the leader's joints have told nothing for {settings.max_age_s:g} s")
     pose = {}
@@ -31,7 +31,7 @@ def pose_of(
 
 
 def gap_rad(pose: Pose, follower: JointsState | None) -> float:
-    """Return how far the worst joint of the follower is away; infinite if one is not measured."""
+    """Return the gap of the follower's worst joint; infinite if one is not measured."""
     joints = follower.joints if follower is not None else {}
     places = {name: joints[name].position_rad for name in pose if name in joints}
     gaps = (inf if (at := places.get(name)) is None or not isfinite(at) else abs(at - to) for name, to in pose.items())
@@ -39,5 +39,5 @@ def gap_rad(pose: Pose, follower: JointsState | None) -> float:
 
 
 def phase_after(before: Phase, gap: float, settings: TeleopSettings) -> Phase:
-    """Return what the follower does at a gap: it follows once it was near, and approaches again from far."""
+    """Return the follower's phase at a gap: it follows once it was near, and approaches again from far."""
     return "following" if gap <= (settings.far_rad if before == "following" else settings.near_rad) else "approaching"

@@ -179,11 +179,11 @@ def _try_once(setup: "Setup", number: int, fault: str, seed: int, *, as_json: bo
     trial = made(setup, number, fault, seed)
     outcome = trial.run()
     if as_json:
-        print_json({"trial": outcome, "told": [event._asdict() for event in trial.told]})
+        print_json({"trial": outcome, "told": [event._asdict() for event in trial.events]})
         return int(not outcome.good)
-    began_s = min((event.at_s for event in trial.told if event.kind == "behaviour_began"), default=0.0)
+    began_s = min((event.at_s for event in trial.events if event.kind == "behaviour_began"), default=0.0)
     click.echo(f"{_called(outcome)}:")
-    for event in trial.told:
+    for event in trial.events:
         if event.at_s >= began_s:
             click.echo(f"  {event.at_s - began_s:7.2f} s  {event.subject}: {event.text}")
     where = f" in '{outcome.state}', row {outcome.row} of '{outcome.table}'" if not outcome.good else ""
