@@ -54,6 +54,7 @@ export function App() {
   const known = robot.value;
   const views = known ? VIEWS.filter((view) => view.shows(known)) : [];
   const view = views.find((one) => one.id === place.value) ?? views[0];
+  const signsIn = unknown.value && !known;
   return (
     <>
       <div class="shell">
@@ -78,12 +79,12 @@ export function App() {
           ))}
         </nav>
         <main class="main" id="main" tabIndex={-1} data-view={view?.id}>
-          {known && view ? <Shown key={view.id} view={view} /> : unknown.value && !known ? <SignIn /> : <Waiting />}
+          {known && view ? <Shown key={view.id} view={view} /> : signsIn ? <SignIn /> : <Waiting />}
         </main>
       </div>
       <div id="dialogs" />
       <Notices />
-      <StopButton />
+      {!signsIn && <StopButton />}
       <Settings open={settings} onClose={() => openSettings(false)} />
       <Dialog title={t("lacking.title")} open={mends.value} onClose={() => { mends.value = false; }}><Shown view={LACKING} /></Dialog>
       <ConnectPhone open={connecting} onClose={() => connect(false)} />

@@ -6,6 +6,8 @@ import { consoleLine } from "./robot";
 import { t } from "./words";
 
 const AGAIN_MS = 3000;
+/** How long a code is good, as `GOOD_FOR_S` of the executive says. */
+const VALID_MS = 120_000;
 const OPENS_TRIES = 20, OPENS_AGAIN_MS = 700;
 /** Whoever closes the robot from elsewhere locks this page out. */
 const HERE = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname);
@@ -34,16 +36,20 @@ async function code(isLeft: () => boolean): Promise<Pairing | undefined> {
 
 export function ConnectPhone({ open, onClose }: { open: boolean; onClose: () => void }) {
   const [pairing, show] = useState<Pairing | undefined>();
+  const [over, setOver] = useState(false);
   useEffect(() => {
-    if (!open) return;
+    if (!open || over) return;
     let left = false;
+    let ends: ReturnType<typeof setTimeout> | undefined;
     void code(() => left).then((found) => {
       if (left) return;
-      if (found) show(found);
-      else onClose();
+      if (!found) { onClose(); return; }
+      show(found);
+      ends = setTimeout(() => setOver(true), VALID_MS);
     });
-    return () => { left = true; show(undefined); };
-  }, [open]);
+    return () => { left = true; clearTimeout(ends); show(undefined); };
+  }, [open, over]);
+  useEffect(() => { if (!open) setOver(false); }, [open]);
   const close = (): void => {
     onClose();
     void consoleLine("close", { quiet: true });
@@ -52,7 +58,12 @@ export function ConnectPhone({ open, onClose }: { open: boolean; onClose: () => 
   const back = HERE && pairing ? <Button kind="quiet" icon="lock" onClick={close}>{t("phone.close")}</Button> : undefined;
   return (
     <Dialog title={t("phone.connect")} open={open} onClose={onClose} actions={back}>
-      {pairing ? (
+      {over ? (
+        <>
+          <p role="status">{t("phone.over")}</p>
+          <Button icon="mobile" onClick={() => setOver(false)}>{t("phone.again")}</Button>
+        </>
+      ) : pairing ? (
         <>
           {pairing.svg && <img class="phone-picture" alt={pairing.url} src={`data:image/svg+xml,${encodeURIComponent(pairing.svg)}`} />}
           <p>{t("phone.scan")}</p>
