@@ -1,5 +1,5 @@
 // The time line: key frames where they are reached, dragged earlier or later, how well it stands above them, pictures below.
-import { useMemo, useRef } from "preact/hooks";
+import { useMemo, useRef, useState } from "preact/hooks";
 import { number } from "../../format";
 import { t } from "../../words";
 import type { BodyModel } from "../joints/model";
@@ -29,32 +29,34 @@ export function Timeline({ model, time, wrong, report, onTime }: Props) {
 
 function Track({ frames, time, wrong, report, onTime }: { frames: KeyFrame[] } & Omit<Props, "model">) {
   const lane = useRef<HTMLDivElement>(null);
-  const whole = Math.max(0.1, lasts(frames));
+  // While a key frame is dragged the scale stays, or the last one runs away from the finger.
+  const [held, hold] = useState<number | null>(null);
+  const whole = held ?? Math.max(0.1, lasts(frames));
   const ends = reached(frames);
   const at = time ?? ends[index.value] ?? 0;
   const part = (s: number): string => `${(100 * Math.min(whole, Math.max(0, s))) / whole}%`;
   const under = (event: PointerEvent): number => {
     const box = lane.current!.getBoundingClientRect();
-    return (whole * Math.min(box.width, Math.max(0, event.clientX - box.left))) / box.width;
+    return (whole * Math.max(0, event.clientX - box.left)) / box.width;
   };
   const scrub = (event: PointerEvent): void => {
     if ((event.target as HTMLElement).closest(".motions-knot")) return;
     (event.currentTarget as HTMLElement).setPointerCapture(event.pointerId);
-    onTime(under(event));
+    onTime(Math.min(whole, under(event)));
   };
   const step = STEPS_S.find((one) => whole / one <= 14) ?? 600;
   return (
     <div class="motions-track" role="group" aria-label={t("motions.times.frames")}>
       <div
         class="motions-lane" ref={lane} style={{ minWidth: `${Math.min(4000, frames.length * 16)}px` }}
-        onPointerDown={scrub} onPointerMove={(event) => { if (event.buttons && (event.currentTarget as HTMLElement).hasPointerCapture(event.pointerId)) onTime(under(event)); }}
+        onPointerDown={scrub} onPointerMove={(event) => { if (event.buttons && (event.currentTarget as HTMLElement).hasPointerCapture(event.pointerId)) onTime(Math.min(whole, under(event))); }}
       >
         {report && <Ground report={report} frames={frames} whole={whole} />}
         <div class="motions-ruler" aria-hidden="true">
           {Array.from({ length: Math.floor(whole / step) + 1 }, (_, tick) => <span key={tick} style={{ left: part(tick * step) }}>{number(tick * step, step < 1 ? 1 : 0)}</span>)}
         </div>
         <div class="motions-rail" aria-hidden="true"><span style={{ width: part(at) }} /></div>
-        {frames.length <= 400 && ends.map((s, frame) => <Knot key={frame} frame={frame} left={part(s)} s={s} chosen={frame === index.value} wrong={wrong.has(frame)} under={under} onTime={onTime} />)}
+        {frames.length <= 400 && ends.map((s, frame) => <Knot key={frame} frame={frame} left={part(s)} s={s} chosen={frame === index.value} wrong={wrong.has(frame)} under={under} onTime={onTime} onHold={(is) => hold(is ? whole : null)} />)}
         <div class="motions-head" style={{ left: part(at) }} aria-hidden="true" data-on={time !== null || undefined} />
       </div>
     </div>
@@ -63,9 +65,9 @@ function Track({ frames, time, wrong, report, onTime }: { frames: KeyFrame[] } &
 
 let gestures = 0;
 
-interface KnotProps { frame: number; left: string; s: number; chosen: boolean; wrong: boolean; under: (event: PointerEvent) => number; onTime: (s: number | null) => void }
+interface KnotProps { frame: number; left: string; s: number; chosen: boolean; wrong: boolean; under: (event: PointerEvent) => number; onTime: (s: number | null) => void; onHold: (is: boolean) => void }
 
-function Knot({ frame, left, s, chosen: is, wrong, under, onTime }: KnotProps) {
+function Knot({ frame, left, s, chosen: is, wrong, under, onTime, onHold }: KnotProps) {
   const moved = useRef(false);
   const gesture = useRef(0);
   const shift = (event: PointerEvent): void => {
@@ -79,8 +81,8 @@ function Knot({ frame, left, s, chosen: is, wrong, under, onTime }: KnotProps) {
     <button
       type="button" class="motions-knot" style={{ left }} data-wrong={wrong || undefined} aria-pressed={is} tabIndex={is ? 0 : -1}
       aria-label={t("motions.knot", { frame: frame + 1, s: number(s, 2) })}
-      onPointerDown={(event) => { moved.current = false; gesture.current = ++gestures; onTime(null); chosen.value = frame; (event.currentTarget as HTMLElement).setPointerCapture(event.pointerId); }}
-      onPointerMove={shift}
+      onPointerDown={(event) => { moved.current = false; gesture.current = ++gestures; onTime(null); chosen.value = frame; onHold(true); (event.currentTarget as HTMLElement).setPointerCapture(event.pointerId); }}
+      onPointerMove={shift} onLostPointerCapture={() => onHold(false)}
       onClick={() => { onTime(null); chosen.value = frame; }}
     />
   );

@@ -10,7 +10,7 @@ export const LONGEST_S = 60;
 export const MOST_FRAMES = 1000;
 
 export const good = (name: string): boolean => /^[a-z][a-z0-9_]{0,39}$/.test(name);
-export const nameFrom = (text: string): string => nameLetters(text.trim()).replace(/^_+/, "").slice(0, 40);
+export const nameFrom = (text: string): string => nameLetters(text.trimStart()).replace(/^_+/, "").slice(0, 40);
 export const lasts = (frames: readonly KeyFrame[]): number => frames.reduce((sum, frame) => sum + frame.duration_s, 0);
 
 /** The whole pose at a key frame: joints that it leaves out are where the ones before put them. */
@@ -62,6 +62,8 @@ export function smoothed(sheet: Sheet): Sheet {
   }));
 }
 
+/** Angles are kept in ten thousandths. */
+const ROUNDED_RAD = 1e-4;
 export interface Fault { frame: number; joint: string; kind: "limit" | "speed"; value: number; most: number }
 
 /** What the robot would refuse or slow down: angles beyond limits, ways that take longer than their key frame. */
@@ -72,8 +74,8 @@ export function faults(frames: readonly KeyFrame[], model: BodyModel): Fault[] {
     for (const [joint, angle] of Object.entries(frame.positions)) {
       const range = model.joints[joint];
       if (!range) continue;
-      if (range.lower != null && angle < range.lower - 1e-6) found.push({ frame: at, joint, kind: "limit", value: angle, most: range.lower });
-      else if (range.upper != null && angle > range.upper + 1e-6) found.push({ frame: at, joint, kind: "limit", value: angle, most: range.upper });
+      if (range.lower != null && angle < range.lower - ROUNDED_RAD) found.push({ frame: at, joint, kind: "limit", value: angle, most: range.lower });
+      else if (range.upper != null && angle > range.upper + ROUNDED_RAD) found.push({ frame: at, joint, kind: "limit", value: angle, most: range.upper });
       const rps = before[joint] === undefined ? 0 : Math.abs(angle - before[joint]) / frame.duration_s;
       if (range.speed_rps != null && rps > range.speed_rps) found.push({ frame: at, joint, kind: "speed", value: rps, most: range.speed_rps });
     }
