@@ -16,7 +16,7 @@ OFF_S, ON_S = 0.7, 1.2
 STATE_PERIOD_S = 1.0
 MOST_WAITING = 8
 FIRST_S = 1.0
-"""How long the first state waits for the states of all cameras."""
+"""The wait of the first state for the states of all cameras."""
 
 
 @dataclass(slots=True)

@@ -418,6 +418,8 @@ def test_a_robot_that_comes_back_is_found_again(opened, robot):
 def test_who_is_unknown_pairs_by_six_digits_and_is_known_from_then_on(opened, robot):
     robot.needs_token = True
     page = opened.page("phone")
+    expect(page.get_by_label("Six digits")).to_be_visible()
+    expect(page.locator("#stop")).to_have_count(0)
     page.get_by_label("Six digits").fill("654321")
     page.get_by_role("button", name="Pair").click()
     expect(page.locator(".notice")).to_contain_text("not the digits")
@@ -428,6 +430,7 @@ def test_who_is_unknown_pairs_by_six_digits_and_is_known_from_then_on(opened, ro
     page.mouse.up()
     page.reload()
     expect(page.locator(".drive-stick")).to_be_visible()
+    expect(page.locator("#stop")).to_be_visible()
 
 
 def test_a_role_that_only_looks_moves_nothing_and_may_stop(opened, robot):
