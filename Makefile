@@ -27,10 +27,11 @@ format: ## ruff, what it can mend
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-types: ## mypy
+types: ## mypy: lbr, examples, and what 'lbr new' writes
 	$(BIN)/mypy
 	MYPYPATH=examples/so101 $(BIN)/mypy -p lbr_so101
 	MYPYPATH=examples/roboclaw $(BIN)/mypy -p lbr_roboclaw
+	$(BIN)/pytest -q -m "nightly or not nightly" tests/commands/test_new.py::test_they_pass_the_checks_that_lbr_passes
 
 docs: ## are the generated pages true, and has no page or package become harder to read?
 	$(BIN)/python docs/generate.py --check
