@@ -2,8 +2,10 @@
 
 import os
 import signal
+import sqlite3
 import time
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -115,12 +117,17 @@ def robot(shared_home: Path) -> Iterator[Robot]:
 
 @pytest.fixture(autouse=True)
 def all_well(robot: Robot) -> None:
-    """Each test begins with three that are ready, and no past: who has ended too often is given up."""
-    until(lambda: len(mates(robot)) == 3)
+    """Each test begins with three that are ready by the rows of now, and no past: who has ended too often is given up."""
+    until(lambda: robot.status()["revision"] == newest_revision(robot.home) and len(mates(robot)) == 3)
     for name in [one["name"] for one in mates(robot) if one["last_end"]]:
         until(lambda: all(one["phase"] in {"ready", "failed"} for one in mates(robot)), what="an end of the last start")
         robot.line(f"/restart/{name}")
     until(lambda: all(one["phase"] == "ready" and not one["last_end"] for one in mates(robot)))
+
+
+def newest_revision(home: Path) -> int:
+    with closing(sqlite3.connect(home / "robot.db")) as database:
+        return int(database.execute("SELECT max(id) FROM revision").fetchone()[0])
 
 
 def mates(robot: Robot) -> list[dict[str, Any]]:
