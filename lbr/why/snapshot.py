@@ -121,9 +121,11 @@ class Said(Struct, frozen=True, kw_only=True):
 
 
 class Snapshot(Struct, frozen=True, kw_only=True):
-    """A robot at one moment. `executive`: it answers, is silent, or does not run. `silent_s` is how long its answer was
-    awaited. `asker` asks, with the role `role`, about the part `asked`. `messages` are by topic, such as `drive/state`.
-    `events` are oldest first."""
+    """A robot at one moment. `executive`: it answers, is silent, or does not run.
+
+    `silent_s` is how long its answer was awaited. `asker` asks, with the role `role`, about the part `asked`.
+    `messages` are by topic, such as `drive/state`. `events` are oldest first.
+    """
 
     facts: Facts
     executive: Literal["up", "silent", "down"] = "up"

@@ -2,15 +2,14 @@
 
 import os
 import signal
-import sqlite3
 import time
 from collections.abc import Callable, Iterator
-from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from lbr.database import store
 from tests.support import needs
 from tests.support.robot import Robot, lbr, running
 from tests.support.waiting import STOPS_S, until
@@ -126,8 +125,8 @@ def all_well(robot: Robot) -> None:
 
 
 def newest_revision(home: Path) -> int:
-    with closing(sqlite3.connect(home / "robot.db")) as database:
-        return int(database.execute("SELECT max(id) FROM revision").fetchone()[0])
+    with store.Database.open(home / "robot.db") as database:
+        return database.revision()
 
 
 def mates(robot: Robot) -> list[dict[str, Any]]:

@@ -135,7 +135,7 @@ class Viewer:
             now = self._loop.time()
             if now - alive >= ALIVE_S:
                 alive = now
-                self._silent_s += ALIVE_S  # whatever held this loop up, it held the client's messages up as well
+                self._silent_s += ALIVE_S  # a loop that is held up reads no message, and that is no silence
                 self._news.append(protocol.alive())
             try:
                 async with asyncio.timeout(STALLED_S):
