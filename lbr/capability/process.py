@@ -13,6 +13,7 @@ of the bus library would keep the process alive after Python's end.
 
 import contextlib
 import os
+import select
 import signal
 import sys
 import threading
@@ -142,24 +143,40 @@ def _not_begun(err: BaseException) -> Phase:
     return "left", leaving.text(err), "failed"
 
 
-def _orders() -> Iterator[Order]:
-    """Yield the orders on standard input, line by line, until it closes."""
+def _orders(signals: int) -> Iterator[Order]:
+    """Yield the orders on standard input, line by line, until it closes. `signals` ends a wait when a signal comes."""
     decoder = msgspec.json.Decoder(Order)
+    poll = select.poll()
+    for fd in (0, signals):
+        poll.register(fd, select.POLLIN)
     rest = b""
-    while part := os.read(0, 65536):
-        *lines, rest = (rest + part).split(b"\n")
-        yield from map(decoder.decode, lines)
+    while True:
+        ready = {fd for fd, _ in poll.poll()}
+        if signals in ready:
+            os.read(signals, 4096)  # the handler has run
+        if 0 in ready:
+            if not (part := os.read(0, 65536)):
+                return
+            *lines, rest = (rest + part).split(b"\n")
+            yield from map(decoder.decode, lines)
 
 
-def _heed(host: ProcessHost) -> None:
-    """End when asked by a signal."""
+def _heed(host: ProcessHost) -> int:
+    """End when asked by a signal. Return a pipe that reports signals.
+
+    The kernel may choose any thread, and the main thread runs the handler: the pipe wakes it.
+    """
 
     def stop(_signal: int, _frame: FrameType | None) -> None:
         host.stop()
 
+    signals, noted = os.pipe()
+    os.set_blocking(noted, False)
+    signal.set_wakeup_fd(noted, warn_on_full_buffer=False)
     signal.signal(signal.SIGTERM, stop)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all processes of the terminal; the executive decides
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    return signals
 
 
 def main() -> None:
@@ -169,8 +186,7 @@ def main() -> None:
         wire.on_callback_error = host.crash
         threading.excepthook = lambda args: host.crash(args.exc_value or RuntimeError("thread died"))
         lifeline.wake(0, os.getpid())
-        _heed(host)
-        for order in _orders():
+        for order in _orders(_heed(host)):
             host.obey(order)
         leaving.within(2 * leaving.CLOSE_LIMIT_S)
         host.stop()

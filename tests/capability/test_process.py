@@ -1,5 +1,6 @@
 """A capability in a process of its own, on a real bus: its ports, its phases, and every way out."""
 
+import ctypes
 import json
 import os
 import signal
@@ -420,6 +421,13 @@ def test_a_frozen_process_that_is_asked_to_end_ends_in_order(stage):
     stage.start().ready()
     os.killpg(stage.child.pid, signal.SIGSTOP)
     stage.child.terminate()
+    assert stage.ended() == 0
+
+
+def test_a_signal_ends_a_process_whichever_thread_receives_it(stage):
+    stage.start().ready()
+    other = next(thread.id for thread in process_of(stage).threads() if thread.id != stage.child.pid)
+    assert ctypes.CDLL(None).tgkill(stage.child.pid, other, signal.SIGTERM) == 0
     assert stage.ended() == 0
 
 
