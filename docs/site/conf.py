@@ -68,7 +68,7 @@ def _read(_app: Sphinx, name: str, source: list[str]) -> None:
         source[0] += _listed()
     elif name == "docs/decisions/README":
         records = sorted(path.stem for path in (ROOT / "docs" / "decisions").glob("0*.md"))
-        source[0] += "\n\n```{toctree}\n:hidden:\n\n" + "\n".join(records) + "\n```\n"
+        source[0] += "\n\n```{toctree}\n\n" + "\n".join(records) + "\n```\n"
     elif name == "docs/architecture":
         parts = "\n".join(f"{part.split('/', 1)[1].removesuffix('/README')} </{part}>" for part in PARTS)
         source[0] += f"\n\n```{{toctree}}\n:hidden:\n\n{parts}\n```\n"
