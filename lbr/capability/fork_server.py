@@ -4,7 +4,7 @@
               ◄── ForkReply: its number, by itself, once it leads its session ────────────────────────────────────┘
               ◄── ForkReply: how it ended; ForkOrder to release it: only then is its number free ──► fork server
 
-`python -P -m lbr.capability.fork_server FD ROOM`, where FD is a socket that separates messages. Before a fork, there
+`python -P -m lbr.capability.fork_server FD KINDS ROOM`, where FD is a socket that separates messages. Before a fork, there
 must be neither a thread nor a session of the bus. When the executive is gone, this process ends; the forked ones have
 lifelines of their own. All of them have the same addresses in memory: an attacker who knows one process's layout knows
 all.
@@ -17,6 +17,7 @@ import select
 import signal
 import socket
 import sys
+from collections.abc import Collection
 from contextlib import suppress
 from pathlib import Path
 
@@ -141,19 +142,21 @@ def wear(words: tuple[str, ...], mark: str) -> None:
             ctypes.memmove(environment_at + value, mark.encode(), len(mark))
 
 
-def prepare() -> None:
-    """Find the packages with components, and import the modules that lbr's own declare as kinds: no kind's code."""
+def prepare(kinds: Collection[str]) -> None:
+    """Find packages with components, import what lbr's own declare as kinds, and the code of `kinds`: it is shared."""
     plugins.entries()
     for point in plugins.own("kinds"):
         with suppress(KindError):  # reported by the process that needs it
-            registry.declared(point)
+            kind = registry.declared(point)
+            if kind.name in kinds:
+                kind.load()
 
 
 def main() -> None:
     """Serve; later garbage collections skip the imported modules."""
     for number in IGNORED:
         signal.signal(number, signal.SIG_IGN)
-    prepare()
+    prepare(sys.argv[2].split(","))
     gc.collect()
     gc.freeze()
     with socket.socket(fileno=int(sys.argv[1])) as link, suppress(ConnectionError):

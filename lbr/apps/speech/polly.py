@@ -9,7 +9,6 @@ from array import array
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import escape
 
 from lbr.apps.sound import wav
 from lbr.apps.speech.request import Request
@@ -26,6 +25,7 @@ MOST_BYTES = RATE_HZ * 2 * 600
 USUAL_WORDS_PER_MIN = 150
 SLOWEST_PERCENT, FASTEST_PERCENT = 20, 200
 KEPT = 500
+MARKUP = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;"})
 RETRY_S = 30.0
 
 
@@ -93,7 +93,7 @@ class Polly:
             OutputFormat="pcm",
             SampleRate=str(RATE_HZ),
             TextType="ssml",
-            Text=f'<speak><prosody rate="{rate}%">{escape(request.text)}</prosody></speak>',
+            Text=f'<speak><prosody rate="{rate}%">{request.text.translate(MARKUP)}</prosody></speak>',
         )
         sound: bytes = answer["AudioStream"].read(MOST_BYTES)
         if len(sound) < 2:

@@ -10,13 +10,14 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import IO, Literal
 
 import msgspec
 
 from lbr import home
 from lbr.bus.session import leaf_environment
+from lbr.capability import fork_server
 from lbr.capability.fork_server import LARGEST, ROOM, ForkOrder, ForkReply
 from lbr.console import token_store
 from lbr.errors import LbrError
@@ -63,10 +64,14 @@ class Forked:
 
 
 class ForkServer:
-    """Begins at once, and is replaced some time after it has died or did not answer. Its log is `NAME-forks.log`."""
+    """Begins at once, and is replaced some time after it has died or did not answer. Its log is `NAME-forks.log`.
 
-    def __init__(self, reaper: Reaper, name: str) -> None:
+    It imports the code of `kinds`, which then starts sooner and is in shared memory.
+    """
+
+    def __init__(self, reaper: Reaper, name: str, kinds: Collection[str] = ()) -> None:
         self._reaper = reaper
+        self._kinds = ",".join(sorted(kinds))
         self._log = home.directory("logs") / f"{name}-forks.log"
         self._state: Literal["begins", "serves", "away"] = "away"
         self._since = 0.0
@@ -80,7 +85,7 @@ class ForkServer:
         if self._state == "begins":
             self._hear(0.0)
             if self._state == "begins" and time.monotonic() - self._since > BEGINS_WITHIN_S:
-                self._end()
+                self.close()
         elif self._state == "away" and time.monotonic() - self._since > RETRY_S:
             self._begin()
         return self._state == "begins"
@@ -109,7 +114,7 @@ class ForkServer:
             if reply is not None and reply.pid:
                 return Forked(self, self._generation, reply.pid, stdin)
         except OSError:
-            self._end()
+            self.close()
         finally:
             os.close(theirs)
         stdin.close()
@@ -120,7 +125,7 @@ class ForkServer:
         until = time.monotonic() + ANSWERS_WITHIN_S
         while pid not in self._codes and self._tells_of(generation):
             if time.monotonic() > until:
-                self._end()
+                self.close()
             else:
                 self._hear(until - time.monotonic())
         return self._codes.pop(pid, UNSEEN)
@@ -136,7 +141,13 @@ class ForkServer:
 
     def close(self) -> None:
         """End it."""
-        self._end()
+        if self._state == "away":
+            return
+        self._state, self._since = "away", time.monotonic()
+        self._link.close()
+        self._popen.kill()
+        self._popen.wait()
+        self._mark.ended()
 
     def _answer(self) -> ForkReply | None:
         """Wait for the reply that names the new process; end a server that does not answer in time."""
@@ -145,7 +156,7 @@ class ForkServer:
             reply = self._hear(until - time.monotonic())
             if reply is not None and (reply.pid or reply.trouble):
                 return reply
-        self._end()
+        self.close()
         return None
 
     def _hear(self, patience_s: float) -> ForkReply | None:
@@ -158,7 +169,7 @@ class ForkServer:
         except (OSError, *UNREADABLE):
             reply = None
         if reply is None:
-            self._end()
+            self.close()
         elif reply.code is not None:
             self._codes[reply.pid] = reply.code
         elif not reply.pid and not reply.trouble:
@@ -176,7 +187,7 @@ class ForkServer:
         try:
             with open_log(self._log) as log:
                 self._popen = subprocess.Popen(
-                    [sys.executable, "-P", "-m", "lbr.capability.fork_server", str(theirs.fileno()), " " * ROOM],
+                    [sys.executable, "-P", "-m", fork_server.__name__, str(theirs.fileno()), self._kinds, " " * ROOM],
                     stdin=subprocess.DEVNULL,
                     stdout=log,
                     stderr=log,
@@ -192,15 +203,6 @@ class ForkServer:
         self._state = "begins"
         self._mark.began(self._popen.pid)
         scheduling.rank(self._popen.pid, scheduling.MOTION)
-
-    def _end(self) -> None:
-        if self._state == "away":
-            return
-        self._state, self._since = "away", time.monotonic()
-        self._link.close()
-        self._popen.kill()
-        self._popen.wait()
-        self._mark.ended()
 
 
 def _readable(fd: int, patience_s: float | None) -> bool:
