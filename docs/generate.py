@@ -233,7 +233,7 @@ def rows_page() -> str:
         (
             "You find here every table of a robot database, as `robot.db.sql` makes them; `lbr db tables` prints those of a "
             "robot. How to edit them: [the rows](../rows.md). A *name* has small letters, digits and underscores, at most 40. "
-            "`?`: or NULL.\n"
+            "`?`: or NULL. A default shows the column's type; else it is named.\n"
         ),
     ]
     shapes = [_column(column) for table in tables().tables.values() for column in table.columns]
@@ -249,13 +249,14 @@ COLUMN_HEAD = ("column", "default", "meaning", "allowed")
 
 
 def _column(column: Column[Any]) -> tuple[str, ...]:
-    named = f"`{column.name}` {str(column.type).lower()}"
-    return named, _default(column), re.sub(r"^JSON (object|list): ", "", schema.comment(column)), _rule(column)
+    default = _default(column)
+    shown = f"`{column.name}`" if re.match(r"`['\d-]", default) else f"`{column.name}` {str(column.type).lower()}"
+    return shown, default, re.sub(r"^JSON (object|list): ", "", schema.comment(column)), _rule(column)
 
 
 def _table_section(table: Table, common: set[tuple[str, ...]]) -> str:
     columns = [
-        (shape[0].partition(" ")[0] + " ", "", "", "") if (shape := _column(column)) in common else shape
+        (shape[0].partition(" ")[0], "", "", "") if (shape := _column(column)) in common else shape
         for column in table.columns
     ]
     head = COLUMN_HEAD
@@ -454,14 +455,14 @@ def _plain_words(kind: inspect.Type) -> str:  # noqa: C901, PLR0911 - a table of
             return "name" if named == NAME else "name or empty"
         case inspect.StrType():
             longest = f"≤{kind.max_length}" if kind.max_length else ""
-            return f"text{longest}" + (f" like `{_escape(kind.pattern)}`" if kind.pattern else "")
+            return f"`{_escape(kind.pattern)}`" if kind.pattern else f"text{longest}"
         case inspect.LiteralType():
             return "`" + ",".join(msgspec.json.encode(value).decode() for value in kind.values) + "`"
         case inspect.VarTupleType() | inspect.ListType():
             return _list_of(type_words(kind.item_type)[0])
         case inspect.TupleType():
             items = [type_words(each)[0] for each in kind.item_types]
-            return f"{len(items)}*{items[0]}" if len(set(items)) == 1 else "list of " + ", ".join(items)
+            return f"{len(items)}*{items[0]}" if len(set(items)) == 1 else f"[{', '.join(items)}]"
         case inspect.DictType():
             return f"{type_words(kind.key_type)[0]}→{type_words(kind.value_type)[0]}"
         case inspect.StructType():
@@ -478,11 +479,7 @@ def _list_of(item: str) -> str:
     """Return the words for a list: the plural of a plain type, with its bounds."""
     word, *bounds = item.split(" ")
     plain = all(re.match(r"[≥>≤<0-9-]", bound) for bound in bounds) and not item.endswith("?")
-    return (
-        " ".join([f"{word}s", *bounds])
-        if plain and word in {"text", "number", "integer", "name"}
-        else f"list of {item}"
-    )
+    return " ".join([f"{word}s", *bounds]) if plain and word in {"text", "number", "integer", "name"} else f"[{item}]"
 
 
 def _bounds(kind: inspect.FloatType | inspect.IntType) -> list[str]:
@@ -593,7 +590,7 @@ def topics_page(known: list[Kind]) -> str:
     parts.append("## Messages\n")
     parts.append(
         "A field is shown with its default; a field without default is required. A type is named where neither default nor "
-        "unit shows it; without any of these it is a text. `?`: or null. `A→B`: an object, `A` its keys. *name*: small "
+        "unit shows it; without any of these it is a text. `?`: or null. `A→B`: an object, `A` its keys; `[A]`: a list. *name*: small "
         "letters, digits and underscores, at most 40. Several fields in a row share the explanation of the first. These are "
         "explained once:\n"
     )
@@ -674,7 +671,7 @@ def settings_page(known: list[Kind]) -> str:
             "refused. `lbr get PART` prints the settings of a part, `lbr set PART.SETTING VALUE` changes one.\n"
         ),
         (
-            "*name*: small letters, digits and underscores, at most 40. `?`: or null. `A→B`: an object, `A` its keys. A setting `device` names a row of the table "
+            "*name*: small letters, digits and underscores, at most 40. `?`: or null. `A→B`: an object, `A` its keys; `[A]`: a list. A setting `device` names a row of the table "
             "`device`, whose type is that of the kind. These settings mean the same in every kind:\n"
         ),
         _table(("setting", "default", "allowed", "effect"), sorted(map(_common_setting, common.values()))),
@@ -766,7 +763,8 @@ def console_page() -> str:
         "## Every robot\n",
         "No row may replace one of these, in capital letters or small ones.\n",
         _table(
-            ("say", "what it does", "least role"), [(f"`{row.pattern}`", row.help, row.role) for row in builtin.WORDS]
+            ("say", "what it does", "least role"),
+            _by_meaning((row.pattern, row.help, row.role) for row in builtin.WORDS),
         ),
         "A row of the robot may replace these.\n",
         _words([words.as_row(EXECUTIVE, word) for word in words.OF_EVERY_ROBOT], least_roles({})),
@@ -812,13 +810,20 @@ def _words_by_kinds() -> dict[tuple[str, ...], list[Word]]:
 
 
 def _words(rows: Iterable[VerbRow], needed: Mapping[str, Role], *, asks: bool = True) -> str:
-    patterns: dict[tuple[str, str, str], list[str]] = {}
+    lines = []
     for row in rows:
         target = f"`{row.target if asks else row.target.partition('.')[2]}{_payload(row)}`"
-        what = (row.help.removeprefix("Simulation: "), target, higher(row.role, needed.get(row.target, "view")))
-        patterns.setdefault(what, []).append(f"`{row.pattern}`")
-    said = [(", ".join(several), *what) for what, several in patterns.items()]
-    return _table(("say", "what it does", "asks", "least role"), said)
+        role = higher(row.role, needed.get(row.target, "view"))
+        lines.append((row.pattern, row.help.removeprefix("Simulation: "), target, role))
+    return _table(("say", "what it does", "asks", "least role"), _by_meaning(lines))
+
+
+def _by_meaning(lines: Iterable[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """Return the lines of a table of words; those that do the same are one line."""
+    patterns: dict[tuple[str, ...], list[str]] = {}
+    for pattern, *what in lines:
+        patterns.setdefault(tuple(what), []).append(f"`{pattern}`")
+    return [(", ".join(several), *what) for what, several in patterns.items()]
 
 
 def _messages_of(known: Mapping[str, Kind]) -> dict[str, type[Struct]]:

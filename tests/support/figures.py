@@ -229,7 +229,7 @@ def rows(summaries: Iterable[Summary]) -> str:
     """Return a Markdown table: milliseconds and motor zero go without saying, and so does a verdict that is met."""
     head = ("figure", "what", "robot", "N", "p50", "p99", "max", "target", "hard", "verdict")
     lines = ["|" + "|".join(head) + "|", "|---|---|---|--:|--:|--:|--:|---|---|---|"]
-    before = ""
+    before, figure_by_what = "", dict[str, str]()
     for found in summaries:
         promise = found.promise
         what = promise.what.removesuffix(", to motor zero")
@@ -240,7 +240,7 @@ def rows(summaries: Iterable[Summary]) -> str:
         hard = f"{promise.hard:g}{unit}" if promise.hard is not None else zero
         cells = [
             found.figure,
-            "" if what == before else what,
+            "" if what == before else _unrepeated(what, before, figure_by_what.get(what)),
             promise.robot,
             str(found.n),
             *numbers,
@@ -251,7 +251,17 @@ def rows(summaries: Iterable[Summary]) -> str:
         cells += [verdict + (f": {found.failures} of {found.n}" if found.failures else "")]
         lines.append("|" + "|".join(cells) + "|")
         before = what
+        figure_by_what.setdefault(what, found.figure)
     return "\n".join(lines)
+
+
+def _unrepeated(what: str, before: str, explained_at: str | None) -> str:
+    """Return a row's description: the figure that has the same one, or without the first words if the row above has them."""
+    if explained_at:
+        return f"as {explained_at}"
+    words, above = what.split(), before.split()
+    shared = next((place for place, pair in enumerate(zip(words, above, strict=False)) if pair[0] != pair[1]), 0)
+    return f"… {' '.join(words[shared:])}" if shared > 3 else what
 
 
 def _too_long(result: Result) -> int:
