@@ -59,8 +59,9 @@ ACCEPT_MS, MOST_PENDING = 3000, 500
 many. The library answers earlier failures with a pause of 0.1 s, which nothing can set."""
 MOST_SESSIONS = 1000
 FILES_A_SESSION, FILES_A_PENDING = 4, 16
-"""A router takes no more than its share of the files that its process may hold open. With hundreds of connections to two
-routers, the executive can still answer, start and write."""
+"""A router holds no more than its share of the files that its process may open. With hundreds of connections to two
+routers, the executive can still answer, start and write. The library accepts in one thread and refuses in another, by a
+queue without a bound: what connects before the second one runs is open until then, some milliseconds on a busy machine."""
 
 
 class Tls(Struct, frozen=True, kw_only=True):
@@ -97,38 +98,43 @@ def open_router(router: Router) -> Session:
     """Open a router; raise BusError if an endpoint is taken, or the router it hangs on does not answer."""
     with access.Dictionary(router.users) as dictionary:
         password = {"dictionary_file": dictionary.path} if router.users else {}
-        settings = _common(router.credentials, password, lease_ms=router.lease_ms) | {
-            "mode": "router",
-            "listen": {"endpoints": list(router.listen), "exit_on_failure": True},
+        return _open(router_settings(router, password), f"cannot listen on {', '.join(router.listen)}")
+
+
+def router_settings(router: Router, password: dict[str, str] | None = None) -> dict[str, Any]:
+    """Return the configuration of a router in Zenoh's own words; `password` says where its users' passwords are."""
+    settings = _common(router.credentials, password, lease_ms=router.lease_ms) | {
+        "mode": "router",
+        "listen": {"endpoints": list(router.listen), "exit_on_failure": True},
+    }
+    deaf_ms = DEAF_HERE_MS if router.limits is None else DEAF_AWAY_MS
+    settings["transport"]["link"]["tx"]["queue"] = {
+        "congestion_control": {"block": {"wait_before_close": deaf_ms * 1000}}
+    }
+    if router.id:
+        settings["id"] = router.id
+    if router.connect:
+        settings["connect"] = _connect(router.connect, 2.0)
+    if router.rights or router.links:
+        settings["access_control"] = access.control(router.robot, router.rights, router.links)
+    files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    share = files if files != resource.RLIM_INFINITY else MOST_SESSIONS * FILES_A_SESSION
+    settings["transport"]["unicast"] = {
+        "accept_timeout": ACCEPT_MS,
+        "accept_pending": min(MOST_PENDING, share // FILES_A_PENDING),
+        "max_sessions": min(MOST_SESSIONS, share // FILES_A_SESSION),
+    }
+    if router.never_waiting:
+        settings |= access.never_waiting(router.never_waiting, urgent_waits=router.urgent_waits)
+    if router.limits is not None:
+        settings |= access.limits(router.limits)
+        settings["transport"]["unicast"]["max_sessions"] = router.limits.sessions
+    if router.tls is not None:
+        settings["transport"]["link"]["tls"] = {
+            "listen_private_key": router.tls.private_key,
+            "listen_certificate": router.tls.certificate,
         }
-        deaf_ms = DEAF_HERE_MS if router.limits is None else DEAF_AWAY_MS
-        settings["transport"]["link"]["tx"]["queue"] = {
-            "congestion_control": {"block": {"wait_before_close": deaf_ms * 1000}}
-        }
-        if router.id:
-            settings["id"] = router.id
-        if router.connect:
-            settings["connect"] = _connect(router.connect, 2.0)
-        if router.rights or router.links:
-            settings["access_control"] = access.control(router.robot, router.rights, router.links)
-        files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
-        share = files if files != resource.RLIM_INFINITY else MOST_SESSIONS * FILES_A_SESSION
-        settings["transport"]["unicast"] = {
-            "accept_timeout": ACCEPT_MS,
-            "accept_pending": min(MOST_PENDING, share // FILES_A_PENDING),
-            "max_sessions": min(MOST_SESSIONS, share // FILES_A_SESSION),
-        }
-        if router.never_waiting:
-            settings |= access.never_waiting(router.never_waiting, urgent_waits=router.urgent_waits)
-        if router.limits is not None:
-            settings |= access.limits(router.limits)
-            settings["transport"]["unicast"]["max_sessions"] = router.limits.sessions
-        if router.tls is not None:
-            settings["transport"]["link"]["tls"] = {
-                "listen_private_key": router.tls.private_key,
-                "listen_certificate": router.tls.certificate,
-            }
-        return _open(settings, f"cannot listen on {', '.join(router.listen)}")
+    return settings
 
 
 def client_settings(

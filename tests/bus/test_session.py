@@ -191,31 +191,46 @@ resource.setrlimit(resource.RLIMIT_NOFILE, (512, 512))
 from lbr.bus import session
 opened = [session.open_router(session.Router(listen=(one,))) for one in sys.argv[1:]]
 print("ready", flush=True)
-for line in sys.stdin:
-    wanted = [open(os.devnull) for _ in range(32)]
-    print(len(os.listdir("/proc/self/fd")), flush=True)
-    del wanted
+sys.stdin.readline()
+wanted = [open(os.devnull) for _ in range(256)]
+print("opened", flush=True)
+sys.stdin.readline()
 """
+
+
+@pytest.mark.parametrize(("files", "pending", "sessions"), [(512, 32, 128), (10_000, 500, 1000), (-1, 250, 1000)])
+def test_a_router_holds_no_more_than_its_share_of_the_files(
+    monkeypatch: pytest.MonkeyPatch, files: int, pending: int, sessions: int
+) -> None:
+    monkeypatch.setattr("resource.getrlimit", lambda _: (files, files))
+    unicast = session.router_settings(session.Router(listen=()))["transport"]["unicast"]
+    assert (unicast["accept_pending"], unicast["max_sessions"]) == (pending, sessions)
 
 
 def test_connections_that_say_nothing_leave_a_process_with_two_doors_files_to_open(tmp_path: Path) -> None:
     paths = [tmp_path / "a.sock", tmp_path / "b.sock"]
     with program(DOORS, *(f"unixsock-stream/{path}" for path in paths)) as doors, ExitStack() as stack:
-        for path in paths:
-            for _ in range(300):
-                idle = stack.enter_context(socket.socket(socket.AF_UNIX))
-                idle.setblocking(False)
-                idle.connect(str(path))
+        idle = [stack.enter_context(socket.socket(socket.AF_UNIX)) for _ in range(600)]
+        for number, connection in enumerate(idle):
+            connection.connect(str(paths[number % 2]))
+            connection.setblocking(False)
+        until(lambda: sum(map(_refused, idle)) >= len(idle) - 2 * 512 // session.FILES_A_PENDING, what="most refused")
         assert doors.stdin is not None
         assert doors.stdout is not None
-        counts = []
-        for _ in range(20):
-            doors.stdin.write(b"\n")
-            doors.stdin.flush()
-            counts.append(int(doors.stdout.readline()))
-        assert max(counts) <= 512
+        doors.stdin.write(b"\n")
+        doors.stdin.flush()
+        assert doors.stdout.readline() == b"opened\n"
         stack.close()
         until(lambda: _let_in(paths[0]), what="a client is let in afterwards")
+
+
+def _refused(connection: socket.socket) -> bool:
+    try:
+        return not connection.recv(1, socket.MSG_PEEK)
+    except BlockingIOError:
+        return False
+    except ConnectionResetError:
+        return True
 
 
 def _let_in(path: Path) -> bool:
