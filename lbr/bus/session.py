@@ -60,8 +60,8 @@ many. The library answers earlier failures with a pause of 0.1 s, which nothing 
 MOST_SESSIONS = 1000
 FILES_A_SESSION, FILES_A_PENDING = 4, 16
 """A router holds no more than its share of the files that its process may open. With hundreds of connections to two
-routers, the executive can still answer, start and write. The library accepts in one thread and refuses in another, by a
-queue without a bound: what connects before the second one runs is open until then, some milliseconds on a busy machine."""
+routers, the executive can still answer, start and write. The library accepts in one thread and refuses in another, and
+nothing bounds the queue between them. On a busy machine all new connections may be open for some milliseconds."""
 
 
 class Tls(Struct, frozen=True, kw_only=True):
@@ -102,7 +102,7 @@ def open_router(router: Router) -> Session:
 
 
 def router_settings(router: Router, password: dict[str, str] | None = None) -> dict[str, Any]:
-    """Return the configuration of a router in Zenoh's own words; `password` says where its users' passwords are."""
+    """Return the configuration of a router in Zenoh's own words; `password` names the file of its users' passwords."""
     settings = _common(router.credentials, password, lease_ms=router.lease_ms) | {
         "mode": "router",
         "listen": {"endpoints": list(router.listen), "exit_on_failure": True},

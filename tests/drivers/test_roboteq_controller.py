@@ -123,6 +123,11 @@ def test_swapped_channels_swap_wire_and_telemetry(bring_up, peer):
     assert controller.telemetry.measured()["counts_left"] == -260
 
 
+def test_wheels_that_turn_alike_are_doubted_and_mirrored_ones_are_not():
+    assert KIND.parse(MIRRORED + "}").doubts() == ()
+    assert len(KIND.parse('{"device": "motors"}').doubts()) == 1
+
+
 def test_a_watchdog_that_reads_back_otherwise_is_refused(bring_up, peer):
     peer.deaf_to_settings = True
     with pytest.raises(DeviceError, match=r"'motors'.*~RWD with 1000, expected 200"):
@@ -142,17 +147,18 @@ def test_mixed_channels_are_refused_unless_the_row_says_otherwise(bring_up, peer
 
 
 class LateLine:
-    """Answers each command 60 ms after it was written."""
+    """Answers each command a time after it was written, of a clock that its reader moves on."""
 
-    def __init__(self):
-        self.now, self.device, self.due, self.written = 100.0, RoboteqDevice(), [], []
+    def __init__(self, delay_s):
+        self.now, self.delay_s, self.due, self.written = 100.0, delay_s, [], []
+        self.device, self.misread = RoboteqDevice(), iter(())
 
     def clock(self):
         return self.now
 
     def write(self, data):
         self.written.append(data)
-        self.due.append((self.now + 0.06, data))
+        self.due.append((self.now + self.delay_s, data))
         return len(data)
 
     def read(self, wait_s=0.0):
@@ -160,9 +166,11 @@ class LateLine:
         if self.due and self.due[0][0] <= until:
             at, asked = self.due.pop(0)
             self.now = max(self.now, at)
-            return self.device.feed(asked, at - 0.01) + self.device.poll(at)
+            if asked == b"~RWD\r" and (misread := next(self.misread, b"")):
+                return misread
+            return self.device.feed(asked, at - self.delay_s / 6) + self.device.poll(at)
         self.now = until
-        return b""
+        return self.device.poll(until)
 
     def drop_output(self):
         pass
@@ -170,10 +178,16 @@ class LateLine:
     drop_input = close = drop_output
 
 
-def test_a_controller_that_is_set_up_may_take_longer_for_its_answers_than_one_that_drives():
-    line = LateLine()
+def opened_on(line):
     controller = Controller(line, KIND.parse('{"device": "motors", "reply_timeout_s": 0.03}'), line.clock)
     controller.open()
+    return controller
+
+
+@pytest.mark.parametrize("delay_s", [0.06, 0.099])
+def test_a_controller_that_is_set_up_may_take_longer_for_its_answers_than_one_that_drives(delay_s):
+    line = LateLine(delay_s)
+    controller = opened_on(line)
     assert [line.written.count(b"%s\r" % asked) for asked in (b"?FID", b"?TRN", b"~RWD", b"?FF")] == [1, 1, 1, 1]
     assert not controller.stop()
 
@@ -316,22 +330,25 @@ def test_a_controller_that_stops_reading_is_never_fed_more_than_one_command(brin
     assert len(left_behind) < 50
 
 
-def test_a_reset_that_brings_back_the_long_watchdog_is_noticed(bring_up, peer):
-    controller = bring_up()
-    controller.open()
-    peer.settings["RWD"] = 1000
+def test_a_reset_that_brings_back_the_long_watchdog_is_noticed_once_it_is_read_twice_in_a_row():
+    line = LateLine(0.0)
+    controller = opened_on(line)
+    before = line.written.count(b"~RWD\r")
+    line.device.feed(b"^RWD 1000\r", line.now)
+    repeat(10, controller.poll)
+    assert line.written.count(b"~RWD\r") == before + 1
     with pytest.raises(DeviceError, match="watchdog of 1000 ms"):
-        repeat(12, controller.poll)
+        controller.poll()
+    assert line.written.count(b"~RWD\r") == before + 2
 
 
-def test_one_misread_watchdog_is_asked_for_again_and_forgiven(bring_up, peer):
-    controller = bring_up()
-    controller.open()
-    misread = []
-    peer.answer = lambda line: b"RWD=300\r" if line == "~RWD" and not misread and not misread.append(1) else None
-    repeat(15, controller.poll)
-    assert misread
-    assert peer.log[-15:].count("~RWD") == 2
+def test_a_misread_watchdog_is_asked_for_again_and_forgiven_each_time():
+    line = LateLine(0.0)
+    controller = opened_on(line)
+    line.written.clear()
+    line.misread = iter((b"RWD=300\r", b"", b"RWD=300\r"))
+    repeat(25, controller.poll)
+    assert line.written.count(b"~RWD\r") == 4
 
 
 def test_closing_writes_zero_and_waits_for_it(bring_up, peer):

@@ -201,8 +201,8 @@ class Controller:
         """Query, several times: the first may end a half-written line, and be refused with it."""
         for _ in range(tries):
             self._send(query, SETUP_TIMEOUT_S)
-            outcome = self._exchange.wait(SETUP_TIMEOUT_S * 2)
-            if outcome is not None and outcome.value is not None:
+            outcome = self._exchange.finish(SETUP_TIMEOUT_S)
+            if outcome.value is not None:
                 self._note(outcome)
                 return outcome
         return None
