@@ -187,10 +187,11 @@ class LeaseClient:
                 self._refused(reply, now)
 
     def _refused(self, reply: CommandReply, now: float) -> None:
-        """Give up; after a refused change, the earlier motion would go on, which nobody wants any more."""
+        """Give up. A refused change halts what went before; the result of that halt does not say why."""
         if self._lost is None:
             if reply.code != "dead_lease":
                 self._halt(reply.why.text)
+                self._goal = ""
             self._lost = (reply.why, now)
 
     def _look_for_the_end(self, now: float) -> None:

@@ -1,5 +1,7 @@
 """A lease as its client keeps it: asked for once, renewed at 10 Hz, ended by a result, a refusal, silence or a release."""
 
+from dataclasses import replace
+
 import pytest
 
 from lbr.leases.client import ANSWER_S, RENEW_S, SILENT_S, LeaseClient, LeaseTarget
@@ -56,10 +58,12 @@ def test_a_dead_lease_ends_it_with_how_that_ended_and_stops_nobody_else(drive):
     assert len(drive.sent) == before
 
 
-def test_a_refused_change_halts_what_went_before(drive):
-    lease = LeaseClient(drive, TARGET, SLOW)
+def test_a_refused_change_halts_what_went_before_and_the_refusal_is_the_reason(drive):
+    lease = LeaseClient(drive, replace(TARGET, result_s=0.5), SLOW)
     kept(drive, lease, 0.05)
     drive.reply = refused(Reason("obstacle", "something is in the way"))
+    kept(drive, lease, 0.1, FAST)
+    lease.hear(GoalResult(goal="goal-1", result="stopped", reason="stopped by us", code="stopped", elapsed_s=0.1))
     kept(drive, lease, 0.1, FAST)
     assert lease.ended == Reason("obstacle", "something is in the way")
     assert [halt.reason for halt in drive.halts] == ["something is in the way"]

@@ -82,7 +82,7 @@ class Pilot:
             self._broken = None
             self._holder.begin(TARGETS[type(command)], replace(command, ttl_s=self._ctx.settings.ttl_s))
         elif self._holder.lease is not None:
-            self.halt("it stands")
+            self.halt("this part of the way is done")
 
     def break_off(self, why: str) -> None:
         """Stop; the manoeuvre gets the reason when it continues."""
