@@ -62,6 +62,14 @@ def test_a_sensor_of_the_board_that_has_no_row_is_no_free_way(tmp_path):
     assert (told["Forward"], told["Back"], told["Left"], told["Right"]) == (765, 0, 0, 0)
 
 
+def test_a_sensor_with_a_device_of_its_own_is_not_the_boards(tmp_path):
+    sensors = (*ring(0.43, 0.3), *(RangeSensor(name=name, kind="infrared") for name in ("bow", "stern")))
+    around = Surroundings(seed=1, now=0.0, sensors=sensors, apart=frozenset({"", "stern"}))
+    twin = make(Device("ranges", "ultrasonic_ring", str(tmp_path / "ranges"), {}), around)
+    assert "bow" in twin._board.sensors
+    assert "stern" not in twin._board.sensors
+
+
 def test_a_fault_of_a_sensor_that_is_not_there_is_refused(tmp_path):
     bow = RangeSensor(name="bow", kind="infrared")
     around = Surroundings(seed=1, now=0.0, sensors=(*ring(0.43, 0.3), bow))

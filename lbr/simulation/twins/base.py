@@ -45,7 +45,7 @@ P = TypeVar("P", bound=Port)
 class Surroundings:
     """The parts for a twin: seed and time of the world, the trace of the wheels' outputs, its cameras if any.
 
-    `sensors` are the robot's sensors of distance.
+    `sensors` are the robot's sensors of distance; those in `apart` are named by a device row of their own.
     """
 
     seed: int
@@ -54,6 +54,7 @@ class Surroundings:
     cameras: CameraHost | None = None
     mounts: tuple[str, ...] = ()
     sensors: tuple[RangeSensor, ...] = ()
+    apart: frozenset[str] = frozenset()
 
     def seed_for(self, device: Device) -> int:
         """Return the seed of a device's own noise."""

@@ -17,12 +17,13 @@ class UltrasonicTwin(LineTwin[UltrasonicFaults]):
 
     def __init__(self, device: Device, around: Surroundings) -> None:
         settings = row(device, UltrasonicRow)
+        apart = around.apart.union(ORDER)
         self._board = UltrasonicBoard(
             settings.board,
             faults=settings.faults,
             seed=around.seed_for(device),
             powered_at=around.now,
-            more=tuple(one.name for one in around.sensors if one.rays == 1 and one.level and one.name not in ORDER),
+            more=tuple(one.name for one in around.sensors if one.rays == 1 and one.level and one.name not in apart),
         )
         super().__init__(device, settings.faults, self._board)
 
