@@ -3,7 +3,7 @@ export type Role = "view" | "operate" | "admin";
 export interface CommandReply { accepted: boolean; reason?: string; code?: string; cause?: string; note?: string; goal?: string }
 export interface DriveState {
   moving: boolean; power: number; angle_deg: number; left: number; right: number; holder: string | null; goal: string | null;
-  limited_by: string; reason: string; estop: boolean; stopped_by?: string; code?: string; sees?: Record<string, number | null>; aside?: number;
+  limited_by: string; reason: string; estop: boolean; stopped_s?: number | null; stopped_by?: string; halted_s?: number | null; code?: string; sees?: Record<string, number | null>; aside?: number;
   loop?: { rate_hz: number; period_p99_ms: number; period_max_ms: number; overruns: number } | null;
 }
 export interface GoalResult {

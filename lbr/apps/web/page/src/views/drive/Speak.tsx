@@ -10,6 +10,9 @@ import { language, t } from "../../words";
 /** So many are offered at first. */
 const FEW = 6;
 
+/** Whether a phrase is a sentence; the others are parts of one. */
+const whole = ({ text }: { text?: string | null }): boolean => /[.!?]$/.test(text ?? "");
+
 export function Speak() {
   const [text, write] = useState("");
   const [every, offer] = useState(false);
@@ -24,7 +27,7 @@ export function Speak() {
   };
   const all = robot.value?.phrases ?? [];
   const own = all.filter((one) => !one.language || one.language === language.value);
-  const phrases = [...new Map((own.length > 0 ? own : all).map((one) => [one.name, one])).values()];
+  const phrases = [...new Map((own.length > 0 ? own : all).map((one) => [one.name, one])).values()].sort((one, other) => Number(whole(other)) - Number(whole(one)));
   const speaking = state?.message.speaking ?? false;
   return (
     <Card title={t("drive.speak")} icon="speak" actions={<Button kind="quiet" icon="hush" label={t("drive.hush")} disabled={!may("operate")} onClick={() => void command(speech, "hush", {})} />}>

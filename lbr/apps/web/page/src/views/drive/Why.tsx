@@ -163,7 +163,8 @@ const reasonOf = ({ code, reason }: DriveState): string => (language.value !== "
 /** This page stopped it a moment ago, and says so already. */
 const justStopped = (): boolean => notices.value.some((one) => one.text === t("stop.stopped"));
 
-/** A hand that came to rest on a page ended it, or a stop on a page, which tells of itself: nothing keeps the robot from moving. */
-const byHand = (drive: DriveState): boolean => drive.code === "stopped" && (drive.stopped_by ?? "").startsWith("web:");
+/** Its holder ended it, which stops nobody else, or a stop on a page, which tells of itself: nothing keeps the robot from moving. */
+const byHand = (drive: DriveState): boolean =>
+  drive.code === "stopped" && (drive.stopped_s !== drive.halted_s || (drive.stopped_by ?? "").startsWith("web:"));
 
 const other = (drive: DriveState | null, fresh: boolean): string => (drive?.moving ? t("drive.holder", { holder: drive.holder ?? "?" }) : fresh ? drive?.reason ?? "" : "");
