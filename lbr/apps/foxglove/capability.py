@@ -1,7 +1,7 @@
 """The bridge as a process: it admits clients, offers the robot's streams, and passes words to the robot."""
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, cast
@@ -10,9 +10,7 @@ import msgspec
 from msgspec import Struct
 from starlette.requests import HTTPConnection
 from starlette.responses import Response
-from starlette.routing import BaseRoute, Match
-from starlette.types import ASGIApp, Receive, Scope, Send
-from starlette.websockets import WebSocket
+from starlette.types import ASGIApp, Scope
 
 from lbr import home
 from lbr.apps.bodies.model import body_file, model
@@ -25,32 +23,28 @@ from lbr.apps.foxglove.messages import FoxgloveState
 from lbr.apps.foxglove.pictures import Pictures
 from lbr.apps.foxglove.services import ESTOP, STOP, Service
 from lbr.apps.foxglove.socket import Viewer
-from lbr.apps.http import listening, peers
-from lbr.apps.http.connection import connection_of
+from lbr.apps.http import peers
 from lbr.apps.http.pages import Pages
-from lbr.apps.http.rates import Rates
 from lbr.apps.http.turns import Turns
 from lbr.apps.motion_requests import adopt
 from lbr.apps.web.access import Access
-from lbr.apps.web.advertised_address import AdvertisedAddress
 from lbr.apps.web.api.feeds import Feeds
 from lbr.apps.web.api.requests import LINE_S, source_of
 from lbr.apps.web.api.robot_bus import RobotBus, opened
 from lbr.apps.web.api.service import NO_BUS, NOT_YET, Api
-from lbr.apps.web.application import Gate, application
-from lbr.apps.web.bridge import Bridge, until
-from lbr.apps.web.face import Client, Message, Refused, Request, declared, get, json, post, refuse_without
-from lbr.apps.web.guards import Counts, headers_of
+from lbr.apps.web.application import Gate
+from lbr.apps.web.bridge import until
+from lbr.apps.web.face import Client, Message, Refused, Request, declared, get, json, post
+from lbr.apps.web.front import Front
 from lbr.apps.web.robot import Robot
-from lbr.apps.web.serving import Serving
 from lbr.apps.web.sessions import Sessions
-from lbr.apps.web.viewing import asker, shown_token
+from lbr.apps.web.viewing import Viewing, shown_token
 from lbr.bus.codec import Decoder
 from lbr.bus.door import LanUser
 from lbr.bus.wire import PendingQuery
 from lbr.capability.base import Capability
 from lbr.capability.context import Context
-from lbr.errors import BusError, DeviceError, InputError, LbrError, MalformedError
+from lbr.errors import BusError, LbrError, MalformedError
 from lbr.leases.client import LeaseTarget
 from lbr.leases.holder import Holder
 from lbr.messages.codes import Reason
@@ -77,44 +71,35 @@ class Goal(Struct):
     until_s: float
 
 
-class Door(BaseRoute):
+class Door(Viewing):
     """Admits clients of Foxglove at any path; other requests come by HTTP."""
 
+    protocols = protocol.PROTOCOLS
+    does = "connected"
+
     def __init__(self, bridge: "Foxglove", gate: Gate, viewers: Turns) -> None:
+        super().__init__(gate, viewers)
         self._bridge = bridge
-        self._gate = gate
-        self._viewers = viewers
 
-    def matches(self, scope: Scope) -> tuple[Match, Scope]:
-        """Return whether a request is for a WebSocket."""
-        return (Match.FULL if scope["type"] == "websocket" else Match.NONE), {}
-
-    async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Serve one client; raise Refused."""
-        client, pictures = await self._entry(scope)
-        offered = scope.get("subprotocols", ())
-        chosen = next((one for one in protocol.PROTOCOLS if one in offered), None)
+    def chosen(self, offered: Collection[str]) -> str:
+        """Return the best subprotocol of an offer; raise Refused if all are unknown."""
+        chosen = super().chosen(offered)
         if chosen is None:
-            raise Refused(400, f"this speaks {' and '.join(protocol.PROTOCOLS)}", code="not_possible")
-        web = WebSocket(scope, receive, send)
-        with self._viewers.turn(asker(client)):
-            await web.accept(chosen)
-            if (connection := connection_of(scope)) is not None:
-                connection.mark("watching")
-            viewer = Viewer(self._bridge, client, self._bridge.ctx.settings.rate_hz, pictures=pictures)
-            await viewer.serve(web, receive, self._bridge.ctx.robot)
+            raise Refused(400, f"this speaks {' and '.join(self.protocols)}", code="not_possible")
+        return chosen
 
-    async def _entry(self, scope: Scope) -> tuple[Client, bool]:
-        """Return the client, and whether it may watch cameras; raise Refused. A page of another origin has the rights
-        of its token alone: in the owner's browser it may look, and no more."""
-        headers = headers_of(scope)
-        self._gate.refuse_strangers(scope, headers)
+    async def client(self, scope: Scope, headers: Mapping[str, str]) -> Client:
+        """Return the client; raise Refused. A page of another origin has the rights of its token alone: in the
+        owner's browser it may look, and no more."""
         shown = shown_token(scope) or HTTPConnection(scope).query_params.get("token", "")
-        client = await self._gate.client(scope, headers, shown, owner="origin" not in headers, signs_in=True)
-        refuse_without(client, "view")
-        if full := self._viewers.why_not(asker(client)):
-            raise Refused(503, f"{full} are connected already", {"Retry-After": "10"}, "busy")
-        return client, client.known or peers.is_own(client.whose)
+        return await self._gate.client(scope, headers, shown, owner="origin" not in headers, signs_in=True)
+
+    def viewer(self, scope: Scope, client: Client) -> Viewer:
+        """Return the viewer, which may watch cameras if its client is known."""
+        del scope
+        ctx = self._bridge.ctx
+        pictures = client.known or peers.is_own(client.whose)
+        return Viewer(self._bridge, client, ctx.robot, ctx.settings.rate_hz, pictures=pictures)
 
 
 class Foxglove(Capability[FoxgloveSettings]):
@@ -131,11 +116,8 @@ class Foxglove(Capability[FoxgloveSettings]):
         self.sources: Mapping[int, Source] = {}
         self.services: Mapping[int, Service] = {}
         self.session = f"{ctx.robot}-{int(ctx.clock() * 1000)}"
-        self._bridge = Bridge(ctx.wake, self._failed)
-        self._counts = Counts()
+        self._front = Front(ctx, "Foxglove", lambda url: url.replace("http", "ws", 1))
         self._sessions = Sessions(home.home() / "credentials" / f"foxglove.{ctx.robot}.{ctx.name}.sessions", {})
-        self._place = AdvertisedAddress(cast("Any", ctx.settings), ctx.settings.port, own_addresses=tuple)
-        self._serving: Serving | None = None
         self._known: object = None
         self._goals: list[Goal] = []
         self._bus: RobotBus | None = None
@@ -149,42 +131,18 @@ class Foxglove(Capability[FoxgloveSettings]):
 
     def open(self) -> None:
         """Listen and serve."""
-        settings = self.ctx.settings
-        row = f"capability '{self.ctx.robot}/{self.ctx.name}'"
-        try:
-            sockets = listening.listen(settings.host, settings.port)
-        except InputError as err:
-            raise DeviceError(f"{err}: see the settings 'host' and 'port' of {row}") from err
-        self._place = AdvertisedAddress(cast("Any", settings), sockets[0].getsockname()[1])
-        self._bridge.open()
-        try:
-            self._bus = bus = self._opened()
-            robot = Robot(cast("Any", self.ctx), self._bridge, self._sessions, self._counts.tell)
-            self.api = Api(robot, bus, "")
-            self.pictures = Pictures(bus, lambda name: f"{self.ctx.robot}/{name}")
-            self._serving = Serving(self._application(), sockets, tls=self._place.tls)
-        except (InputError, BusError) as err:
-            for one in sockets:
-                one.close()
-            raise DeviceError(str(err)) from err
-        self._serving.start()
-        self.ctx.event("listening", f"Foxglove at {', '.join(self._urls()) or settings.host}")
-        if self._place.open and not self._place.tls:
-            text = "other machines reach the robot in clear text: a machine in between reads tokens, and changes what is asked"
-            self.ctx.event("exposed", text, level="warning")
+        self._front.open(self._application)
 
     def step(self) -> None:
         """Serve requests, and follow changes of the robot's description."""
         now = self.ctx.clock()
         self.api.step()
-        self._bridge.serve()
+        self._front.bridge.serve()
         self._renew(now)
         if self.api.known is not None and self.api.known is not self._known:
             self._known = self.api.known
             self._number(self.api.known.robot)
-        while self._counts.news:
-            kind, text, level = self._counts.news.popleft()
-            self.ctx.event(kind, text, level=level)
+        self._front.publish_news()
         if now >= self._report_at:
             self._report_at = now + REPORT_S
             self._report(listening_=True)
@@ -195,14 +153,12 @@ class Foxglove(Capability[FoxgloveSettings]):
 
     def close(self) -> None:
         """Stop serving, and stop the motion of all clients."""
-        self._bridge.close(ENDS)
+        self._front.bridge.close(ENDS)
         self._release(self._goals, ENDS)
-        if self._serving is None:
+        if not self._front.listens:
             return
         self.api.release(ENDS)
-        self._serving.stop()
-        self._serving = None
-        self._bridge.close(ENDS)  # for requests that came meanwhile
+        self._front.close(ENDS)
         self.api.close()
 
     def shows(self, source: Source, client: Client, *, pictures: bool) -> bool:
@@ -211,12 +167,12 @@ class Foxglove(Capability[FoxgloveSettings]):
 
     def report(self, kind: str, text: str) -> None:
         """Publish an event; called by the server's thread."""
-        self._counts.tell(kind, text)
+        self._front.counts.tell(kind, text)
 
     async def run_service(self, service: Service, line: str, viewer: Viewer) -> dict[str, object]:
         """Run the line of a service in the name of a client; raise Refused."""
         came_s = self.api.now()
-        return await self._bridge.call(self._run(service, line, viewer, came_s), timeout_s=LINE_S + 1.0)
+        return await self._front.bridge.call(self._run(service, line, viewer, came_s), timeout_s=LINE_S + 1.0)
 
     # In the loop.
 
@@ -292,18 +248,15 @@ class Foxglove(Capability[FoxgloveSettings]):
 
     def _application(self) -> ASGIApp:
         settings, pages = self.ctx.settings, Pages(self.ctx.settings.cors)
+        self._bus = bus = opened(self.ctx)
+        if bus is None:
+            raise BusError(NO_BUS)
+        robot = Robot(cast("Any", self.ctx), self._front.bridge, self._sessions, self._front.counts.tell)
+        self.api = Api(robot, bus, "")
+        self.pictures = Pictures(bus, lambda name: f"{self.ctx.robot}/{name}")
         gate = Gate(Access((), self.ctx.rows(LanUser)), pages)
         door = Door(self, gate, Turns(settings.clients, settings.clients))
-        return application(
-            declared(self),
-            door,
-            gate=gate,
-            pages=pages,
-            rates=Rates(REQUESTS_HZ),
-            own_names=frozenset(name.lower() for name in (*settings.names, *self._place.names)),
-            counts=self._counts,
-            in_loop=self._bridge.call,
-        )
+        return self._front.application(declared(self), door, gate=gate, pages=pages, requests_per_s=REQUESTS_HZ)
 
     @get("/layout.json", page=True)
     def _layout(self) -> Response:
@@ -319,29 +272,17 @@ class Foxglove(Capability[FoxgloveSettings]):
         question = self.api.line(STOP, role="view", source=source_of(request.client), timeout_s=LINE_S)
         return Message(message=(await _result(question)).text)
 
-    def _opened(self) -> RobotBus:
-        bus = opened(self.ctx)
-        if bus is None:
-            raise BusError(NO_BUS)
-        return bus
-
-    def _urls(self) -> tuple[str, ...]:
-        return tuple(one.replace("http", "ws", 1) for one in self._place.urls)
-
     def _report(self, *, listening_: bool, reason: str = "") -> None:
         self.ctx.publish(
             "state",
             FoxgloveState(
                 listening=listening_,
-                urls=self._urls() if listening_ else (),
-                clients=self._serving.connections if self._serving is not None else 0,
-                refused=self._counts.refused,
+                urls=self._front.urls if listening_ else (),
+                clients=self._front.connections,
+                refused=self._front.counts.refused,
                 reason=reason,
             ),
         )
-
-    def _failed(self, err: Exception) -> None:
-        self._counts.tell("web_fault", f"{type(err).__name__}: {err}", "error")
 
 
 async def _result(question: PendingQuery) -> ConsoleResult:

@@ -1,11 +1,12 @@
 """The kind `foxglove`: its settings, ports and words."""
 
 import re
-from typing import Annotated, ClassVar
+from typing import Annotated
 
-from msgspec import Meta, Struct
+from msgspec import Meta
 
 from lbr.apps.foxglove.messages import FoxgloveState
+from lbr.apps.web.server_settings import ServerSettings
 from lbr.bus.door import LanUser
 from lbr.capability.kind import Kind, Needs, Rights
 from lbr.messages.joints import Joint
@@ -15,24 +16,18 @@ from lbr.messages.sensing import RangeSensor
 _ORIGIN = re.compile(r"[a-z][a-z0-9+.-]*://[^/?#\s@]*")
 
 
-class FoxgloveSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class FoxgloveSettings(ServerSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `foxglove`.
 
     Where other machines reach it, clients need a token, and TLS unless `clear_text`. `cors`: origins whose pages may
     connect; by default Foxglove's own.
     """
 
-    trusted: ClassVar[tuple[str, ...]] = ()
-
-    host: Annotated[str, Meta(description="where to listen; 0.0.0.0 for every network")] = "127.0.0.1"
     port: Annotated[int, Meta(ge=0, le=65535, description="0: any free one")] = 8765
-    tls: Annotated[bool, Meta(description="wss also where only this machine reaches it")] = False
-    clear_text: Annotated[bool, Meta(description="ws to other machines: all in between read and change it")] = False
     cors: Annotated[tuple[str, ...], Meta(description="origins whose pages may connect")] = (
         "https://app.foxglove.dev",
         "https://embed.foxglove.dev",
     )
-    names: Annotated[tuple[str, ...], Meta(description="this machine's other names, such as robot.example.org")] = ()
     rate_hz: Annotated[float, Meta(ge=0.5, le=50.0, description="messages a second of one stream, at most")] = 25.0
     clients: Annotated[int, Meta(ge=1, le=16, description="connections at once")] = 8
 
@@ -41,8 +36,7 @@ class FoxgloveSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         for origin in self.cors:
             if origin != "null" and _ORIGIN.fullmatch(origin) is None:
                 raise ValueError(f"cors: '{origin}' is not an origin; origins look like https://app.foxglove.dev")
-        if self.tls and self.clear_text:
-            raise ValueError("tls and clear_text: only one of them can be true")
+        super().__post_init__()
 
 
 KIND = Kind(

@@ -9,12 +9,12 @@ import asyncio
 import socket
 import time
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Protocol
 
 import msgspec
-from starlette.types import Message, Receive
+from starlette.types import Receive
 from starlette.websockets import WebSocket
 
 from lbr.apps.foxglove import channels, protocol
@@ -23,7 +23,7 @@ from lbr.apps.foxglove.channels import Source
 from lbr.apps.foxglove.pictures import Pictures
 from lbr.apps.foxglove.services import ESTOP, STOP, Service
 from lbr.apps.http.connection import connection_of
-from lbr.apps.http.rates import Bucket
+from lbr.apps.web import viewing
 from lbr.apps.web.api.feeds import KEPT_S, Feeds, Sample
 from lbr.apps.web.api.holds import Hand, HoldNews
 from lbr.apps.web.api.page_message import Wanted
@@ -34,9 +34,6 @@ from lbr.bus.codec import decode_request
 from lbr.errors import InputError, MalformedError
 from lbr.messages.unreadable import UNREADABLE
 
-STALLED_S = 5.0
-STALLED, TALKS = 1013, 1008
-MESSAGES_HZ, MESSAGES_AT_ONCE = 150.0, 300.0
 MOST_CALLS, MOST_NEWS = 8, 256
 RESTED_S = 1.0
 """The silence after which published motion begins anew. A network's delay is not a release, so it is longer than a
@@ -44,7 +41,6 @@ wireless network is usually silent."""
 LOST_MS = 1500
 """The connection ends when data stays unacknowledged this long: the other machine, or its cable, is gone."""
 ALIVE_S = 0.25
-LAST_MESSAGES_S = 0.2
 NOTHING_MOVES = 1e-6
 _encode = msgspec.json.Encoder().encode
 
@@ -72,16 +68,19 @@ class Served(Protocol):
         """Publish an event."""
 
 
-class Viewer:
+class Viewer(viewing.Viewer):
     """A connected client. The capability's loop reads `gone`."""
 
-    def __init__(self, served: Served, client: Client, rate_hz: float, *, pictures: bool) -> None:
+    messages_hz, messages_at_once = 150.0, 300.0
+    too_much = "too much is said here"
+    last_messages_s = 0.2  # they may contain a stop
+
+    def __init__(self, served: Served, client: Client, name: str, rate_hz: float, *, pictures: bool) -> None:
+        super().__init__(1.0 / rate_hz)
         self.client = client
         self.gone = False
         self._served = served
         self._pictures = pictures
-        self._period_s = 1.0 / rate_hz
-        self._loop = asyncio.get_running_loop()
         self._shown: Mapping[int, Source] = {}
         self._offered: Mapping[int, Service] = {}
         self._advertised: object = None
@@ -91,34 +90,21 @@ class Viewer:
         self._watched: frozenset[str] = frozenset()
         self._publishes: dict[int, protocol.Published] = {}
         self._news: deque[str | bytes] = deque(maxlen=MOST_NEWS)
+        self._news.append(protocol.server_info(name, served.session, publishes=client.may("operate")))
+        self._alive_s = 0.0
         self._calls: set[asyncio.Task[None]] = set()
         self._stops: set[asyncio.Task[None]] = set()
-        self._woken = asyncio.Event()
         self._hand = Hand(source_of(client), served.api.may(client), self._report_hold, whose="Foxglove", resumes=True)
         self._has_hand = False
         self._push, self._silent_s, self._pushed_to = 0, 0.0, ""
-        self._rate = Bucket(MESSAGES_HZ, self._loop.time(), MESSAGES_AT_ONCE)
 
-    async def serve(self, web: WebSocket, receive: Receive, name: str) -> None:
+    async def serve(self, socket: WebSocket, receive: Receive) -> None:
         """Serve until the client leaves, stalls or sends too much, or the server ends."""
-        bound_silence(web)
-        publishes = self.client.may("operate")
-        self._news.append(protocol.server_info(name, self._served.session, publishes=publishes))
-        receiving = asyncio.create_task(self._receive_all(receive))
-        receiving.add_done_callback(lambda _done: self._woken.set())
-        try:
-            code, why = await self._send_all(web, receiving)
-        finally:
-            self._leave()
-            await asyncio.wait((receiving,), timeout=LAST_MESSAGES_S)  # the last messages may contain a stop
-            receiving.cancel()
-            with suppress(asyncio.CancelledError):
-                await receiving
-        if code:
-            async with asyncio.timeout(STALLED_S):
-                await web.close(code, why[:120])
+        bound_silence(socket)
+        await super().serve(socket, receive)
 
-    def _leave(self) -> None:
+    def leave(self) -> None:
+        """Release the hand, cancel all calls but stops, and leave all streams."""
         self.gone = True
         self._hand.release(for_good=True)
         for task in self._calls - self._stops:
@@ -128,29 +114,17 @@ class Viewer:
         self._watch(frozenset())
         self._loop.call_later(KEPT_S + 0.1, self._served.feeds.tidy)
 
-    async def _send_all(self, web: WebSocket, receiving: "asyncio.Task[str]") -> tuple[int, str]:
-        due, alive = self._loop.time(), 0.0
-        while not receiving.done():
-            self._advertise_changes()
-            now = self._loop.time()
-            if now - alive >= ALIVE_S:
-                alive = now
-                self._silent_s += ALIVE_S  # a loop that is held up reads no message, and that is no silence
-                self._news.append(protocol.alive())
-            try:
-                async with asyncio.timeout(STALLED_S):
-                    while self._news:
-                        await _send(web, self._news.popleft())
-                    for message in self._messages():
-                        await _send(web, message)
-            except TimeoutError:
-                return STALLED, f"nothing was read for {STALLED_S:g} s"
-            due = max(self._loop.time(), due + self._period_s)
-            with suppress(TimeoutError):
-                async with asyncio.timeout(max(due - self._loop.time(), 0.001)):
-                    await self._woken.wait()
-            self._woken.clear()
-        return (TALKS, why) if (why := receiving.result()) else (0, "")
+    def frames(self) -> Iterator[str | bytes]:
+        """Yield the answers and news, and the newest messages."""
+        self._advertise_changes()
+        now = self._loop.time()
+        if now - self._alive_s >= ALIVE_S:
+            self._alive_s = now
+            self._silent_s += ALIVE_S  # a loop that is held up reads no message, and that is no silence
+            self._news.append(protocol.alive())
+        while self._news:
+            yield self._news.popleft()
+        yield from self._messages()
 
     def _advertise_changes(self) -> None:
         """Advertise new channels and services, and withdraw removed ones."""
@@ -228,23 +202,16 @@ class Viewer:
 
     # Messages of the client.
 
-    async def _receive_all(self, receive: Receive) -> str:
-        """Handle a client's messages until it leaves; return the reason to close the connection, or an empty text."""
-        while True:
-            message: Message = await receive()
-            if message["type"] == "websocket.disconnect":
-                return ""
-            if not self._rate.take(self._loop.time()):
-                return "too much is said here"
-            text, data = message.get("text"), message.get("bytes")
-            try:
-                request = protocol.parse(text if text is not None else data or b"")
-                if not self.gone or isinstance(request, protocol.ServiceCall):  # stops count even after the end
-                    self._handle(request)
-            except MalformedError as err:
-                self._hand.release()  # the message may have been a release
-                self._served.api.wake()
-                self._queue(protocol.status(protocol.ERROR, f"a message that is none: {err}", "malformed"))
+    def receive(self, message: str | bytes) -> None:
+        """Handle a message."""
+        try:
+            request = protocol.parse(message)
+            if not self.gone or isinstance(request, protocol.ServiceCall):  # stops count even after the end
+                self._handle(request)
+        except MalformedError as err:
+            self._hand.release()  # the message may have been a release
+            self._served.api.wake()
+            self._queue(protocol.status(protocol.ERROR, f"a message that is none: {err}", "malformed"))
 
     def _handle(self, message: protocol.Message) -> None:
         match message:
@@ -282,7 +249,7 @@ class Viewer:
         if not self._event:
             self._event = self._served.feeds.last_event
         self._update_streams()
-        self._woken.set()
+        self.wake()
 
     def _advertise(self, advertised: tuple[protocol.Published, ...]) -> None:
         for channel in advertised:
@@ -355,7 +322,7 @@ class Viewer:
 
     def _queue(self, news: str | bytes) -> None:
         self._news.append(news)
-        self._woken.set()
+        self.wake()
 
     def _report_hold(self, news: HoldNews) -> None:
         """Report why motion is not held; called from the capability's loop."""
@@ -416,7 +383,3 @@ def bound_silence(web: WebSocket) -> None:
     if sock is not None:
         with suppress(OSError):
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, LOST_MS)
-
-
-async def _send(web: WebSocket, said: str | bytes) -> None:
-    await (web.send_text(said) if isinstance(said, str) else web.send_bytes(said))

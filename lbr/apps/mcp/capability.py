@@ -1,17 +1,15 @@
 """Agents over HTTP: a server with the web server's access rules, and the rules for every agent."""
 
 import asyncio
-from typing import Any, cast
+from typing import cast
 
 from mcp.server.streamable_http_manager import StreamableHTTPSessionManager
 from starlette.requests import HTTPConnection
 from starlette.routing import BaseRoute, Match
 from starlette.types import Receive, Scope, Send
 
-from lbr.apps.http import listening
 from lbr.apps.http.connection import connection_of
 from lbr.apps.http.pages import Pages
-from lbr.apps.http.rates import Rates
 from lbr.apps.mcp.agent import Agent, rules_of
 from lbr.apps.mcp.kind import McpSettings
 from lbr.apps.mcp.messages import AllowAgent, McpState
@@ -20,18 +18,15 @@ from lbr.apps.mcp.roster import Roster
 from lbr.apps.mcp.server import Context as AgentContext
 from lbr.apps.mcp.server import McpServer
 from lbr.apps.web.access import Access
-from lbr.apps.web.advertised_address import AdvertisedAddress
-from lbr.apps.web.application import Gate, application
-from lbr.apps.web.bridge import Bridge
+from lbr.apps.web.application import Gate
 from lbr.apps.web.face import Client, refuse_without
-from lbr.apps.web.guards import Counts, headers_of
-from lbr.apps.web.serving import Serving
+from lbr.apps.web.front import Front
+from lbr.apps.web.guards import headers_of
 from lbr.apps.web.viewing import asker
 from lbr.bus.door import LanUser
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.client import aio
-from lbr.errors import DeviceError, InputError
 from lbr.messages.leases import CommandReply
 
 PATH = "/mcp"
@@ -76,54 +71,30 @@ class Mcp(Capability[McpSettings]):
 
     def __init__(self, ctx: Context[McpSettings]) -> None:
         super().__init__(ctx)
-        self._bridge = Bridge(ctx.wake, self._failed)
-        self._counts = Counts()
-        self._address = AdvertisedAddress(cast("Any", ctx.settings), ctx.settings.port, own_addresses=tuple)
-        self._serving: Serving | None = None
+        self._front = Front(ctx, "agents", lambda url: f"{url.rstrip('/')}{PATH}")
         self._roster = Roster(AGENTS)
         self._allowed: tuple[str, ...] = ()
         self._publish_at = 0.0
 
     def open(self) -> None:
         """Listen and serve."""
-        settings = self.ctx.settings
-        try:
-            sockets = listening.listen(settings.host, settings.port)
-        except InputError as err:
-            row = f"capability '{self.ctx.robot}/{self.ctx.name}'"
-            raise DeviceError(f"{err}: see the settings 'host' and 'port' of {row}") from err
-        self._address = AdvertisedAddress(cast("Any", settings), sockets[0].getsockname()[1])
-        self._bridge.open()
         server = McpServer(self._agent, pulse_of_http)
         manager = StreamableHTTPSessionManager(
             server.sdk, max_request_body_size=LARGEST_BODY, max_sessions=SESSIONS, session_idle_timeout=IDLE_S
         )
         pages = Pages(())
         gate = Gate(Access((), self.ctx.rows(LanUser)), pages)
-        app = application(
-            (),
-            Door(gate, manager),
-            gate=gate,
-            pages=pages,
-            rates=Rates(REQUESTS_HZ),
-            own_names=frozenset(name.lower() for name in (*settings.names, *self._address.names)),
-            counts=self._counts,
-            in_loop=self._bridge.call,
+        door = Door(gate, manager)
+        self._front.open(
+            lambda: self._front.application((), door, gate=gate, pages=pages, requests_per_s=REQUESTS_HZ),
+            beside=lambda: self._beside(server, manager),
         )
-        self._serving = Serving(app, sockets, tls=self._address.tls, beside=lambda: self._beside(server, manager))
-        self._serving.start()
-        self.ctx.event("listening", f"agents at {', '.join(self._urls()) or settings.host}")
-        if self._address.open and not self._address.tls:
-            text = "other machines reach the robot in clear text: a machine in between reads tokens, and changes what is asked"
-            self.ctx.event("exposed", text, level="warning")
 
     def step(self) -> None:
         """Publish the rules, and the agents with a person's consent."""
         now = self.ctx.clock()
-        self._bridge.serve()
-        while self._counts.news:
-            kind, text, level = self._counts.news.popleft()
-            self.ctx.event(kind, text, level=level)
+        self._front.bridge.serve()
+        self._front.publish_news()
         if now >= self._publish_at:
             self._publish_at = now + PUBLISH_S
             self._publish_state(listening_=True)
@@ -135,7 +106,7 @@ class Mcp(Capability[McpSettings]):
             call.refuse(f"{call.name} is not understood here", "unknown_command")
             return
         self._allowed = (*self._allowed, message.agent)[-AGENTS:]
-        self._publish_state(listening_=self._serving is not None)
+        self._publish_state(listening_=self._front.listens)
         call.reply(CommandReply(accepted=True, reason=f"'{message.agent}' may move the robot"))
 
     def degraded(self, reason: str) -> None:
@@ -144,10 +115,8 @@ class Mcp(Capability[McpSettings]):
 
     def close(self) -> None:
         """Stop serving, and stop the motion of agents."""
-        self._bridge.close(ENDS)
-        if self._serving is not None:
-            self._serving.stop()
-            self._serving = None
+        self._front.bridge.close(ENDS)
+        self._front.close(ENDS)
 
     async def _beside(self, server: McpServer, manager: StreamableHTTPSessionManager) -> None:
         try:
@@ -169,19 +138,13 @@ class Mcp(Capability[McpSettings]):
 
         return self._roster.agent((asker(client), name, role), made)
 
-    def _urls(self) -> tuple[str, ...]:
-        return tuple(f"{url.rstrip('/')}{PATH}" for url in self._address.urls)
-
     def _publish_state(self, *, listening_: bool, reason: str = "") -> None:
         state = McpState(
             listening=listening_,
             rules=self.ctx.settings.rules,
-            urls=self._urls() if listening_ else (),
+            urls=self._front.urls if listening_ else (),
             allowed=self._allowed,
-            refused=self._counts.refused,
+            refused=self._front.counts.refused,
             reason=reason,
         )
         self.ctx.publish("state", state)
-
-    def _failed(self, err: Exception) -> None:
-        self._counts.tell("web_fault", f"{type(err).__name__}: {err}", "error")

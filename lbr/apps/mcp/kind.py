@@ -1,16 +1,17 @@
 """The kind `mcp`: the rules for agents, and the address of their server."""
 
-from typing import Annotated, ClassVar
+from typing import Annotated
 
-from msgspec import Meta, Struct
+from msgspec import Meta
 
 from lbr.apps.mcp.messages import NEVER, WORDS, AllowAgent, Asked, McpState, Rules
+from lbr.apps.web.server_settings import ServerSettings
 from lbr.bus.door import LanUser
 from lbr.capability.kind import Command, Kind, Needs, Rights
 from lbr.capability.word import Word
 
 
-class McpSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class McpSettings(ServerSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `mcp`.
 
     `words` to `fast_power` are for every agent, also of `lbr mcp`. `ask`: a person is asked before an agent's first
@@ -18,24 +19,17 @@ class McpSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     TLS unless `clear_text`.
     """
 
-    trusted: ClassVar[tuple[str, ...]] = ()
-
     words: Annotated[tuple[str, ...], Meta(description="console words that agents may say, besides stops")] = WORDS
     most_power: Annotated[float, Meta(gt=0.0, le=1.0, description="the most power that an agent may drive with")] = 0.5
     ask: Annotated[tuple[Asked, ...], Meta(description="what a person is asked before")] = ("first", "play", "fast")
     fast_power: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.3
-    host: Annotated[str, Meta(description="where to listen; 0.0.0.0 for every network")] = "127.0.0.1"
     port: Annotated[int, Meta(ge=0, le=65535, description="0: any free one")] = 50010
-    tls: Annotated[bool, Meta(description="https also where only this machine reaches it")] = False
-    clear_text: Annotated[bool, Meta(description="http to other machines: all in between read and change it")] = False
-    names: Annotated[tuple[str, ...], Meta(description="this machine's other names, such as robot.example.org")] = ()
 
     def __post_init__(self) -> None:
         """Refuse words for people alone, and settings that contradict each other."""
         if never := sorted(NEVER.intersection(self.words)):
             raise ValueError(f"words: '{never[0]}' is for people alone")
-        if self.tls and self.clear_text:
-            raise ValueError("tls and clear_text: only one of them can be true")
+        super().__post_init__()
 
     @property
     def rules(self) -> Rules:

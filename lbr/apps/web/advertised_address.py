@@ -2,16 +2,13 @@
 
 from collections.abc import Callable
 from contextlib import suppress
-from typing import TYPE_CHECKING
 
 from lbr import home, qr
 from lbr.apps.http import names
 from lbr.apps.web import addresses
+from lbr.apps.web.server_settings import ServerSettings
 from lbr.bus import certificates
 from lbr.errors import InputError
-
-if TYPE_CHECKING:
-    from lbr.apps.web.kind import WebSettings
 
 
 class AdvertisedAddress:
@@ -22,7 +19,7 @@ class AdvertisedAddress:
 
     def __init__(
         self,
-        settings: "WebSettings",
+        settings: ServerSettings,
         port: int,
         own_addresses: Callable[[], tuple[str, ...]] = addresses.of_machine,
     ) -> None:

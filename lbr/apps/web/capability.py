@@ -2,19 +2,16 @@
 
 import socket
 import sys
-from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from importlib.metadata import version
 
 from starlette.types import ASGIApp
 
 from lbr import home
-from lbr.apps.http import listening, names
+from lbr.apps.http import names
 from lbr.apps.http.pages import ANY, Pages
-from lbr.apps.http.rates import Rates
 from lbr.apps.http.turns import Turns
 from lbr.apps.web.access import Access
-from lbr.apps.web.advertised_address import AdvertisedAddress
 from lbr.apps.web.announce import Announcer
 from lbr.apps.web.api.handover import Handover
 from lbr.apps.web.api.live import Live
@@ -22,18 +19,16 @@ from lbr.apps.web.api.managing import Managing
 from lbr.apps.web.api.requests import Requests
 from lbr.apps.web.api.robot_bus import RobotBus, opened
 from lbr.apps.web.api.service import Api
-from lbr.apps.web.application import Gate, application
-from lbr.apps.web.bridge import Bridge
+from lbr.apps.web.application import Gate
 from lbr.apps.web.builtin import STOPS, BuiltinRoutes
 from lbr.apps.web.face import declared
 from lbr.apps.web.faces import Faces
-from lbr.apps.web.guards import Counts
+from lbr.apps.web.front import Front
 from lbr.apps.web.kind import PORTS, WebSettings
 from lbr.apps.web.login import Login
 from lbr.apps.web.page.files import build
 from lbr.apps.web.pairing import PairingRoutes
 from lbr.apps.web.robot import Robot, Snapshot
-from lbr.apps.web.serving import Serving
 from lbr.apps.web.sessions import Sessions
 from lbr.apps.web.states import States
 from lbr.apps.web.streams import Streams
@@ -41,7 +36,7 @@ from lbr.apps.web.viewing import MOST_OF_ONE, MOST_VIEWERS
 from lbr.bus.door import LanUser
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
-from lbr.errors import BusError, DeviceError, InputError, LbrError
+from lbr.errors import LbrError
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.web import AddressReply, WebState
 
@@ -65,45 +60,21 @@ class Web(Capability[WebSettings]):
     def __init__(self, ctx: Context[WebSettings]) -> None:
         super().__init__(ctx)
         sys.setswitchinterval(SWITCH_S)
-        self._bridge = Bridge(ctx.wake, self._failed)
-        self._counts = Counts()
+        self._front = Front(ctx, "HTTP")
         kept = home.home() / "credentials" / f"web.{ctx.robot}.{ctx.name}.sessions"
         self._sessions = Sessions(kept, {user.name: user.secret for user in ctx.rows(LanUser)})
-        self._robot = Robot(ctx, self._bridge, self._sessions, self._counts.tell)
+        self._robot = Robot(ctx, self._front.bridge, self._sessions, self._front.counts.tell)
         self._faces = Faces(ctx.settings.faces, self._robot, f"{ctx.robot}/{ctx.name}")
         self._told = ""
-        self._serving: Serving | None = None
         self._api: Api | None = None
         self._announcer: Announcer | None = None
-        self._place = AdvertisedAddress(ctx.settings, ctx.settings.port, own_addresses=tuple)
         self._tell_at = self._look_at = self._busy_until = self._opened = 0.0
         self._requests = 0
 
     def open(self) -> None:
         """Listen and serve."""
-        settings, self._told, self._opened = self.ctx.settings, "", self.ctx.clock()
-        try:
-            sockets = listening.listen(settings.host, settings.port)
-        except InputError as err:
-            row = f"capability '{self.ctx.robot}/{self.ctx.name}'"
-            raise DeviceError(f"{err}: see the settings 'host' and 'port' of {row}") from err
-        self._place = AdvertisedAddress(settings, sockets[0].getsockname()[1])
-        self._bridge.open()
-        try:
-            self._api = Api(self._robot, self._open_bus(), version("lbr"))
-            self._serving = Serving(
-                self._application(),
-                sockets,
-                tls=self._place.tls,
-                plain_here=not settings.tls,
-                beside=self._beside(sockets[0]),
-            )
-        except (InputError, BusError) as err:
-            for one in sockets:
-                one.close()
-            raise DeviceError(str(err)) from err
-        self._serving.start()
-        self.ctx.event("listening", f"HTTP at {', '.join(self._place.urls) or settings.host}")
+        self._told, self._opened = "", self.ctx.clock()
+        self._front.open(self._application, plain_here=not self.ctx.settings.tls, beside=self._announce)
         self._warn_of_openness()
 
     def step(self) -> None:
@@ -116,15 +87,13 @@ class Web(Capability[WebSettings]):
             self._take_pace(now)
         if self._api is not None:
             self._api.step()
-        self._bridge.serve()
+        self._front.bridge.serve()
         self._faces.step(now)
         if (trouble := self._faces.trouble) != self._told:
             self._told = trouble
             self.ctx.event("face_refused", trouble, level="error")
             self.ctx.warn(trouble, "not_possible")
-        while self._counts.news:
-            kind, text, level = self._counts.news.popleft()
-            self.ctx.event(kind, text, level=level)
+        self._front.publish_news()
         if now >= self._tell_at:
             self._tell_at = now + TELL_S
             self._tell()
@@ -136,8 +105,7 @@ class Web(Capability[WebSettings]):
     def command(self, call: Call) -> None:
         """Return the address, or stop the motion requested here."""
         if call.name == "address":
-            listens = self._serving is not None
-            place = self._place
+            listens, place = self._front.listens, self._front.place
             local = place.local if self._announcer is not None and not self._announcer.trouble else ""
             call.reply(
                 AddressReply(
@@ -156,15 +124,12 @@ class Web(Capability[WebSettings]):
 
     def close(self) -> None:
         """Stop serving; refuse the requests under way."""
-        self._bridge.close(ENDS)
+        self._front.bridge.close(ENDS)
         if self._api is not None:
             self._api.release(ENDS)
         self._faces.stopped(ENDS)
         self._faces.close()
-        if self._serving is not None:
-            self._serving.stop()
-            self._serving = None
-            self._bridge.close(ENDS)  # for requests that came meanwhile
+        self._front.close(ENDS)
         if self._api is not None:
             self._api.close()
             self._api = None
@@ -174,30 +139,25 @@ class Web(Capability[WebSettings]):
         return opened(self.ctx)
 
     def _application(self) -> ASGIApp:
-        assert self._api is not None
-        settings, pages, states = self.ctx.settings, Pages(self.ctx.settings.cors), States(self.ctx.robot)
-        login = Login(self._sessions, f"lbr_web_{self._place.port}", tls=self._place.tls)
+        self._api = api = Api(self._robot, self._open_bus(), version("lbr"))
+        settings, place = self.ctx.settings, self._front.place
+        pages, states = Pages(settings.cors), States(self.ctx.robot)
+        login = Login(self._sessions, f"lbr_web_{place.port}", tls=place.tls)
         access = Access(settings.trusted, self.ctx.rows(LanUser), legacy=self._legacy, login=login)
         gate = Gate(access, pages)
         viewers = Turns(MOST_OF_ONE, MOST_VIEWERS)
         streams = Streams(self._robot, states, gate, viewers)
-        live = Live(self._api, gate, viewers, self._sessions, build() if "page" in settings.faces else "")
-        builtin = BuiltinRoutes(self._robot, states, self._place, self._faces, self._api)
-        api = self._api
+        live = Live(api, gate, viewers, self._sessions, build() if "page" in settings.faces else "")
+        builtin = BuiltinRoutes(self._robot, states, place, self._faces, api)
         parts = builtin, login, PairingRoutes(self._robot, access, login), Handover(api), Managing(api), Requests(api)
         routes = [route for part in parts for route in declared(part)]
         routes += self._faces.open(routes)
         builtin.describe(routes, version("lbr"))
-        return application(
-            routes,
-            streams,
-            live,
-            gate=gate,
-            pages=pages,
-            rates=Rates(settings.requests_per_s),
-            own_names=frozenset(name.lower() for name in (*settings.names, *self._place.names)),
-            counts=self._counts,
-            in_loop=self._bridge.call,
+        if settings.announce and not self._front.is_loopback:
+            name = f"{self.ctx.robot} on {socket.gethostname()}"[:56]
+            self._announcer = Announcer(name, place.port, place.look, self._announced)
+        return self._front.application(
+            routes, streams, live, gate=gate, pages=pages, requests_per_s=settings.requests_per_s
         )
 
     @property
@@ -206,18 +166,13 @@ class Web(Capability[WebSettings]):
         setting = self.ctx.settings.legacy
         return setting == "on" or (setting == "simulated" and self.ctx.simulated)
 
-    def _beside(self, sock: socket.socket) -> Callable[[], Awaitable[None]] | None:
-        settings = self.ctx.settings
-        if not settings.announce or listening.is_loopback(sock):
-            return None
-        self._announcer = Announcer(
-            f"{self.ctx.robot} on {socket.gethostname()}"[:56], self._place.port, self._place.look, self._announced
-        )
-        return self._announcer.run
+    async def _announce(self) -> None:
+        if self._announcer is not None:
+            await self._announcer.run()
 
     def _announced(self) -> dict[str, str]:
         """Return the announced properties; `door` is the port of the door for programs."""
-        properties = {"path": "/", "robot": self.ctx.robot, "tls": str(int(self._place.tls))}
+        properties = {"path": "/", "robot": self.ctx.robot, "tls": str(int(self._front.place.tls))}
         with suppress(LbrError, OSError):
             lan = [at for one in home.running() if one.robot == self.ctx.robot for at in one.lan]
             doors = [at.rpartition(":")[2] for at in lan if at.startswith("tls/")]
@@ -227,8 +182,8 @@ class Web(Capability[WebSettings]):
 
     def _take_pace(self, now: float) -> None:
         """Set the pace of the loop to the need of clients."""
-        if (self._serving is not None and self._serving.connections) or self._counts.requests != self._requests:
-            self._requests, self._busy_until = self._counts.requests, now + IDLE_AFTER_S
+        if self._front.connections or self._front.counts.requests != self._requests:
+            self._requests, self._busy_until = self._front.counts.requests, now + IDLE_AFTER_S
         self.rate_hz = BUSY_HZ if now < self._busy_until else IDLE_HZ
 
     def _look(self, now: float) -> None:
@@ -238,21 +193,21 @@ class Web(Capability[WebSettings]):
             inputs={name: last for name in PORTS.states if (last := self.ctx.latest(name)) is not None},
             faces=self._faces.states(),
         )
-        if self._place.open and now >= self._look_at:
+        if self._front.place.open and now >= self._look_at:
             self._look_at = now + LOOK_S
-            self._place.look()
+            self._front.place.look()
 
     def _tell(self) -> None:
         self.ctx.publish(
             "state",
             WebState(
                 listening=True,
-                urls=self._place.urls,
+                urls=self._front.place.urls,
                 faces=self._faces.names,
                 announced=self._announcer.said if self._announcer is not None else "",
-                clients=self._serving.connections if self._serving is not None else 0,
-                requests=self._counts.requests,
-                refused=self._counts.refused,
+                clients=self._front.connections,
+                requests=self._front.counts.requests,
+                refused=self._front.counts.refused,
                 jobs=self._faces.jobs,
                 reason=self._faces.trouble or (self._announcer.trouble if self._announcer is not None else ""),
             ),
@@ -263,9 +218,6 @@ class Web(Capability[WebSettings]):
         for request in STOPS:
             self.ctx.ask(request, StopCommand(reason=why[:200], whole=True), 1.0)
 
-    def _failed(self, err: Exception) -> None:
-        self._counts.tell("web_fault", f"{type(err).__name__}: {err}", "error")
-
     def _warn_of_openness(self) -> None:
         settings = self.ctx.settings
         if ANY in settings.cors:
@@ -275,11 +227,8 @@ class Web(Capability[WebSettings]):
         if settings.legacy == "on":
             text = "every program of this machine may move the robot without a token: legacy is 'on'"
             self.ctx.event("exposed", text, level="warning")
-        if not self._place.open:
+        if not self._front.place.open:
             return
-        if not self._place.tls:
-            text = "other machines reach the robot in clear text: a machine in between reads tokens, and changes what is asked"
-            self.ctx.event("exposed", text, level="warning")
         trusted = [one for one in settings.trusted if not names.is_local(one.partition("/")[0])]
         if trusted:
             text = f"clients in {', '.join(trusted)} may move the robot without a token"

@@ -8,6 +8,7 @@ from msgspec import Meta, Struct
 
 from lbr import plugins
 from lbr.apps.web.ports import FacePorts, with_faces
+from lbr.apps.web.server_settings import ServerSettings
 from lbr.bus.door import LanUser
 from lbr.capability.kind import Command, Kind, Rights
 from lbr.capability.word import Word
@@ -47,7 +48,7 @@ class OldApi(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     over_range_cm: Annotated[int, Meta(ge=100, le=1000, description="the distance where nothing is within reach")] = 758
 
 
-class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class WebSettings(ServerSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of a row of kind `web`.
 
     It serves HTTPS where other machines reach it, unless `clear_text` is set. Clients in `trusted` networks operate
@@ -55,7 +56,6 @@ class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     GET may move it, too, and any web page can send one. With `simulated` this holds only while the robot is simulated.
     """
 
-    host: Annotated[str, Meta(description="where to listen; 0.0.0.0 for every network")] = "127.0.0.1"
     port: Annotated[int, Meta(ge=0, le=65535, description="0: any free one")] = 50000
     faces: Annotated[tuple[Name, ...], Meta(description="components' faces, besides states and stops")] = ()
     layer: Annotated[Name, Meta(description="which layer of the table `motor` is shown")] = "api"
@@ -65,10 +65,7 @@ class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     ] = "simulated"
     trusted: Annotated[tuple[Network, ...], Meta(description="networks whose clients operate without a token")] = ()
     cors: Annotated[tuple[str, ...], Meta(description="origins of pages, such as http://localhost:8081; *: all")] = ()
-    tls: Annotated[bool, Meta(description="https also where only this machine reaches it")] = False
-    clear_text: Annotated[bool, Meta(description="http to other machines: all in between read and change it")] = False
     announce: Annotated[bool, Meta(description="by zeroconf, where others reach it")] = True
-    names: Annotated[tuple[str, ...], Meta(description="this machine's other names, such as robot.example.org")] = ()
     requests_per_s: Annotated[float, Meta(ge=1.0, le=10_000.0, description="the most from one address")] = 200.0
     old_api: OldApi = OldApi()
 
@@ -82,8 +79,7 @@ class WebSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
         for origin in self.cors:
             if origin not in {"*", "null"} and _ORIGIN.fullmatch(origin) is None:
                 raise ValueError(f"cors: '{origin}' is not an origin; origins look like http://localhost:8081")
-        if self.tls and self.clear_text:
-            raise ValueError("tls and clear_text: only one of them can be true")
+        super().__post_init__()
 
     def doubts(self) -> tuple[str, ...]:
         """Return the faces that no installed package brings; the server shows the others."""

@@ -1,5 +1,6 @@
 """`/ws`: the newest states; a slow reader misses some, and costs no memory."""
 
+from collections.abc import Iterator
 from typing import Annotated
 
 from msgspec import Meta, Struct
@@ -14,9 +15,6 @@ from lbr.apps.web.routing import Path
 from lbr.apps.web.states import States
 from lbr.apps.web.viewing import Viewer, Viewing
 
-PATH = Path("/ws")
-PROTOCOL = "lbr.state"
-
 
 class StreamParams(Struct, frozen=True, kw_only=True):
     """The greatest rate of states."""
@@ -27,8 +25,11 @@ class StreamParams(Struct, frozen=True, kw_only=True):
 class Streams(Viewing):
     """The viewers of states, each at its own rate."""
 
+    path = Path("/ws")
+    protocols = ("lbr.state",)
+
     def __init__(self, robot: Robot, states: States, gate: Gate, viewers: Turns) -> None:
-        super().__init__(PATH, PROTOCOL, gate, viewers)
+        super().__init__(gate, viewers)
         self._robot = robot
         self._states = states
 
@@ -46,7 +47,8 @@ class _StateViewer(Viewer):
         self._states = states
         self._sent: Snapshot | None = None
 
-    def frame(self) -> str:
+    def frames(self) -> Iterator[str]:
         snapshot, sent = self._robot.snapshot, self._sent
-        self._sent = snapshot
-        return self._states.encoded(snapshot).decode() if snapshot is not sent else ""
+        if snapshot is not sent:
+            self._sent = snapshot
+            yield self._states.encoded(snapshot).decode()

@@ -2,7 +2,7 @@
 
 import asyncio
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 
 from starlette.routing import BaseRoute, Match
@@ -29,11 +29,12 @@ class Viewer:
     """The far end of a WebSocket. A subclass makes its frames, and may read its messages.
 
     `period_s`: the time between frames. More than `messages_hz` messages a second close it, with `too_much` as the
-    reason.
+    reason. `last_messages_s`: how long messages are read after the end.
     """
 
     messages_hz, messages_at_once = 20.0, 20.0
     too_much = "nothing is to be said here"
+    last_messages_s = 0.0
 
     def __init__(self, period_s: float) -> None:
         self.period_s = period_s
@@ -42,10 +43,10 @@ class Viewer:
         self._rate = Bucket(self.messages_hz, self._loop.time(), self.messages_at_once)
 
     @abstractmethod
-    def frame(self) -> str:
-        """Return the frame that is due; empty if nothing is new."""
+    def frames(self) -> Iterator[str | bytes]:
+        """Yield the frames that are due."""
 
-    def receive(self, data: bytes) -> None:
+    def receive(self, message: str | bytes) -> None:
         """Read one message; ignored by default."""
 
     def expelled(self) -> str:
@@ -74,7 +75,8 @@ class Viewer:
                 return ""
             if not self._rate.take(self._loop.time()):
                 return self.too_much
-            self.receive(message.get("bytes") or (message.get("text") or "").encode("utf-8", "surrogatepass"))
+            text = message.get("text")
+            self.receive(text if text is not None else message.get("bytes") or b"")
 
     async def serve(self, socket: WebSocket, receive: Receive) -> None:
         """Send and read until it is over. Reading has its own task, so that a viewer that stalls can still release."""
@@ -84,6 +86,8 @@ class Viewer:
             code, reason = await self._send_frames(socket, reading)
         finally:
             self.leave()
+            if self.last_messages_s:
+                await asyncio.wait((reading,), timeout=self.last_messages_s)
             reading.cancel()
             with suppress(asyncio.CancelledError):
                 await reading
@@ -97,29 +101,34 @@ class Viewer:
         while not reading.done():
             if reason := self.expelled():
                 return TALKS, reason
-            if frame := self.frame():
-                try:
-                    async with asyncio.timeout(STALLED_S):
-                        await socket.send_text(frame)
-                except TimeoutError:
-                    return STALLED, f"nothing was read for {STALLED_S:g} s"
+            try:
+                async with asyncio.timeout(STALLED_S):
+                    for frame in self.frames():
+                        await (socket.send_text(frame) if isinstance(frame, str) else socket.send_bytes(frame))
+            except TimeoutError:
+                return STALLED, f"nothing was read for {STALLED_S:g} s"
             due = max(self._loop.time(), due + self.period_s)
             await self.rest(due - self._loop.time())
         return (TALKS, reason) if (reason := reading.result()) else (0, "")
 
 
 class Viewing(BaseRoute):
-    """The open WebSockets of one path; for the server's thread."""
+    """The open WebSockets of one path, or of any; for the server's thread.
 
-    def __init__(self, path: Path, protocol: str, gate: Gate, viewers: Turns) -> None:
-        self._path = path
-        self._protocol = protocol
+    `protocols`: its subprotocols, the best first. `does`: the activity of other clients, for a refusal.
+    """
+
+    path: Path | None = None
+    protocols: tuple[str, ...]
+    does = "looking"
+
+    def __init__(self, gate: Gate, viewers: Turns) -> None:
         self._gate = gate
         self._viewers = viewers
 
     def matches(self, scope: Scope) -> tuple[Match, Scope]:
         """Return whether a request is for a WebSocket of this path."""
-        fits = scope["type"] == "websocket" and self._path.fits(routing.asked_path(scope))
+        fits = scope["type"] == "websocket" and (self.path is None or self.path.fits(routing.asked_path(scope)))
         return (Match.FULL if fits else Match.NONE), {}
 
     async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -129,14 +138,18 @@ class Viewing(BaseRoute):
         client = await self.client(scope, headers)
         refuse_without(client, "view")
         if full := self._viewers.why_not(asker(client)):
-            raise Refused(503, f"{full} are looking already", {"Retry-After": "10"}, "busy")
+            raise Refused(503, f"{full} are {self.does} already", {"Retry-After": "10"}, "busy")
         viewer = self.viewer(scope, client)
         socket = WebSocket(scope, receive, send)
         with self._viewers.turn(asker(client)), suppress(WebSocketDisconnect, OSError):
-            await socket.accept(self._protocol if self._protocol in scope.get("subprotocols", ()) else None)
+            await socket.accept(self.chosen(scope.get("subprotocols", ())))
             if (connection := connection_of(scope)) is not None:
                 connection.mark("watching")
             await viewer.serve(socket, receive)
+
+    def chosen(self, offered: Collection[str]) -> str | None:
+        """Return the best subprotocol of an offer, or None; raise Refused."""
+        return next((one for one in self.protocols if one in offered), None)
 
     async def client(self, scope: Scope, headers: Mapping[str, str]) -> Client:
         """Return the client; raise Refused."""

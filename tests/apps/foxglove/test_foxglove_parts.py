@@ -198,8 +198,8 @@ def connected():
         async def serve():
             web = WebSocket({"type": "websocket"}, waiting.get, send)
             await web.accept()
-            viewer = Viewer(served, Client("127.0.0.1", role="operate"), 20.0, pictures=False)
-            await viewer.serve(web, waiting.get, "lbr")
+            viewer = Viewer(served, Client("127.0.0.1", role="operate"), "lbr", 20.0, pictures=False)
+            await viewer.serve(web, waiting.get)
 
         serving = loop.create_task(serve())
         waiting.put_nowait({"type": "websocket.connect"})

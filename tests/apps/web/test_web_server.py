@@ -369,7 +369,7 @@ def test_edited_rows_are_the_robots_at_once(served):
     served.stage.answer = lambda _request, _message: EditReply(accepted=True, revision=3)
     robot = served.web._robot
     try:
-        edited = served.web._bridge.call(robot.edit((motor,)))
+        edited = served.web._front.bridge.call(robot.edit((motor,)))
         assert asyncio.run(edited).revision == 3
         assert robot.motors == (motor,)
     finally:
@@ -378,7 +378,7 @@ def test_edited_rows_are_the_robots_at_once(served):
 
 
 def test_the_address_is_told_honestly(served):
-    assert " reaches http://127.0.0.1" in served.web._place.text()
+    assert " reaches http://127.0.0.1" in served.web._front.place.text()
     assert "&#x27;phone&#x27;" in served.ask("GET", "/qr").body.decode()
     assert served.ask("GET", "/qr.svg").status == 404
 
@@ -468,7 +468,7 @@ def test_many_who_stop_at_once_are_answered_together_and_none_is_refused(served,
     threads = [threading.Thread(target=lambda: statuses.append(served.ask("POST", "/stop").status)) for _ in range(30)]
     for thread in threads:
         thread.start()
-    until(lambda: len(served.web._bridge._under_way) == 30)
+    until(lambda: len(served.web._front.bridge._under_way) == 30)
     assert asked.count("halt") == 1
     heard.set()
     for thread in threads:
@@ -591,4 +591,4 @@ def test_bytes_by_chance_end_nothing(served, sent):
         with suppress(ConnectionError):
             answer = client.recv(65536)
             assert not answer or answer.startswith(b"HTTP/1.1 4")
-    assert served.web._serving._thread.is_alive()
+    assert served.web._front._serving._thread.is_alive()

@@ -106,12 +106,12 @@ class Served:
 
     def __init__(self, stage: Stage, web: Web) -> None:
         self.stage, self.web = stage, web
-        self.port = web._place.port
+        self.port = web._front.place.port
 
     @property
     def connections(self) -> int:
         """Return how many connections are open."""
-        return self.web._serving.connections
+        return self.web._front.connections
 
     def ask(
         self,

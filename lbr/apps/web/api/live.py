@@ -1,7 +1,7 @@
 """`/api/live`: the newest messages of a page's streams, events, and the page's motion; on the server's thread."""
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from math import isnan
 
@@ -23,8 +23,6 @@ from lbr.apps.web.routing import Path
 from lbr.apps.web.sessions import Sessions
 from lbr.apps.web.viewing import Viewer, Viewing, shown_token
 
-PATH = Path("/api/live")
-PROTOCOL = "lbr.live"
 MOST_NEWS = 16
 PULSE_S = 0.2
 """The longest pause between frames. A page quotes a frame's time, and one older than `OLDEST_S` would begin nothing."""
@@ -39,8 +37,11 @@ class Live(Viewing):
     """The sockets of pages. `page` is the build of the served page, sent first: a page of another build moves
     nothing."""
 
+    path = Path("/api/live")
+    protocols = ("lbr.live",)
+
     def __init__(self, api: Api, gate: Gate, viewers: Turns, sessions: Sessions, page: str = "") -> None:
-        super().__init__(PATH, PROTOCOL, gate, viewers)
+        super().__init__(gate, viewers)
         self._api = api
         self._page = page
         self._sessions = sessions
@@ -87,8 +88,8 @@ class _PageViewer(Viewer):
         session = self._client.session
         return "signed out" if session and not self._sessions.knows(session) else ""
 
-    def frame(self) -> str:
-        """Return the messages that are due; empty if nothing is new."""
+    def frames(self) -> Iterator[str]:
+        """Yield the messages that are due, as one."""
         now = self._api.now()
         if self._known is not self._api.known:
             self._want()
@@ -96,9 +97,9 @@ class _PageViewer(Viewer):
         if self._news:
             parts.append(self._news.popleft())
         if not parts and now - self._frame_s < (HELD_PULSE_S if self._hand.wish.wanted is not None else PULSE_S):
-            return ""
+            return
         self._frame_s = now
-        return b"".join((b'{"t":%d' % int(now * 1000), *(b"," + part for part in parts), b"}")).decode()
+        yield b"".join((b'{"t":%d' % int(now * 1000), *(b"," + part for part in parts), b"}")).decode()
 
     async def rest(self, seconds: float) -> None:
         """Wait that long, or until there is news."""
@@ -114,21 +115,21 @@ class _PageViewer(Viewer):
         self._feeds.leave(self)
         self._loop.call_later(KEPT_S + 0.1, self._feeds.tidy)
 
-    def receive(self, data: bytes) -> None:
+    def receive(self, message: str | bytes) -> None:
         """Handle a message of the page."""
         try:
-            message = parse(data)
+            wanted = parse(message.encode("utf-8", "surrogatepass") if isinstance(message, str) else message)
         except Rubbish as err:
             self._hand.release()  # an unreadable message may have been a release
             self._api.wake()
             self._tell(b'"error":' + _encode({"code": "malformed", "reason": str(err)}))
             return
-        if message.rate_hz is not UNSET:
-            self.period_s = 1.0 / message.rate_hz
-        if message.hear is not UNSET:
-            self._asked = message.hear
+        if wanted.rate_hz is not UNSET:
+            self.period_s = 1.0 / wanted.rate_hz
+        if wanted.hear is not UNSET:
+            self._asked = wanted.hear
             self._want()
-        self._move(message)
+        self._move(wanted)
 
     def _move(self, message: PageMessage) -> None:
         now = self._api.now()
