@@ -33,9 +33,9 @@ QUIET_HZ = 25.0
 its highest acceleration turns by half a degree. The mean of two samples keeps most of that."""
 
 
-AT_REST = 2
-"""The number of readings in one sample at rest, where no axis turns faster than `SLOW_RPS`. In 40 ms that is a quarter
-of a degree. A sample then comes twice within its life of 0.2 s."""
+AT_REST = 3
+"""The number of readings in one sample at rest, where no axis turns faster than `SLOW_RPS`. In 80 ms that is half a
+degree. A sample then comes twice within its life: 0.2 s and its span."""
 SLOW_RPS = 0.1
 LATE_S = 1.5 / QUIET_HZ
 

@@ -17,7 +17,7 @@ from lbr.apps.http.connection import Connection, connection_of
 from lbr.apps.http.slots import LIMIT_S, Slot, Slots
 from lbr.errors import InputError
 
-LOOK_S = 0.25
+LOOK_S = 0.2
 LARGEST_MESSAGE = 16 * 1024
 PING_S, PONG_S = 10.0, 10.0
 GRACE_S = 1
@@ -62,18 +62,17 @@ class Server(uvicorn.Server):
         self.config.load()
         self.slots = Slots()
         self._plain_here = plain_here
-        self._looking: asyncio.TimerHandle | None = None
         self._greeting: set[asyncio.Task[None]] = set()
 
-    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Listen."""
-        await super().startup(sockets)
-        self._look()
+    async def main_loop(self) -> None:
+        """Serve, and cut overdue connections, until `should_exit` is set."""
+        while not await self.on_tick(0):
+            for slot in self.slots.overdue(time.monotonic()):
+                slot.cut()
+            await asyncio.sleep(LOOK_S)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Close all connections, WebSockets with a reason."""
-        if self._looking is not None:
-            self._looking.cancel()
         for task in self._greeting:
             task.cancel()
         connections = [each for each in self.server_state.connections if isinstance(each, Connection)]
@@ -129,12 +128,6 @@ class Server(uvicorn.Server):
             transport.abort()
         else:
             connection.begin(secure, slot)
-
-    def _look(self) -> None:
-        now = time.monotonic()
-        for slot in self.slots.overdue(now):
-            slot.cut()
-        self._looking = asyncio.get_running_loop().call_later(LOOK_S, self._look)
 
 
 class _Door(asyncio.Protocol):

@@ -23,6 +23,8 @@ OFF_S, ON_S = 0.6, 1.1
 patience."""
 CLOSE_S = 0.3
 NEWEST_S = 1.0
+SWITCHING_HZ, RESTING_HZ = 10.0, 5.0
+"""Its rounds: pictures, commands and the first viewer wake it anyway."""
 REST_AFTER_S = 2.0
 OPENING_S = 1.5
 """The time that a device may take to open before that is reported."""
@@ -44,7 +46,7 @@ class Camera(Capability[CameraSettings]):
     The capture's own thread opens the device, and reopens it whenever it was lost.
     """
 
-    rate_hz = 10.0
+    rate_hz = SWITCHING_HZ
 
     def __init__(self, ctx: Context[CameraSettings]) -> None:
         super().__init__(ctx)
@@ -65,6 +67,8 @@ class Camera(Capability[CameraSettings]):
         self._publish_picture()
         self._answer_switch()
         self._tell()
+        rests = self._switching is None and (self._capture is None or self._capture.rests)
+        self.rate_hz = RESTING_HZ if rests else SWITCHING_HZ
 
     def command(self, call: Call) -> None:
         """Switch it, or save a picture."""

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from lbr.drivers.i2c_bus import Bus
+from lbr.drivers.inertial import AT_REST, QUIET_HZ
 from lbr.drivers.mpu9150 import registers
 from lbr.drivers.mpu9150.registers import MagneticField
 from lbr.errors import DeviceError
@@ -11,8 +12,8 @@ from lbr.messages.units import Vector
 MODE_CHANGE_S = 0.0005
 OVERDUE_S = 0.1
 EARLY_S = 0.003
-REST_S = 0.08
-"""The period of a unit at rest: one measurement for each sample, which has two readings."""
+REST_S = AT_REST / QUIET_HZ
+"""The period of a unit at rest: one measurement for each sample."""
 
 
 class Compass:

@@ -154,12 +154,12 @@ class Fusion:
     def _reason(self, now: float) -> str:
         """Return why nothing is known, or an empty string."""
         s = self._settings
-        if self._arrived_s is None:
+        if self._arrived_s is None or self._last is None:
             return self._missed or "no sample from the inertial unit yet"
         silent_s = now - self._arrived_s
         if self._missed and silent_s > s.gap_s:
             return self._missed
-        if silent_s > s.stale_s:
+        if silent_s > s.stale_s + self._last.span_s:
             return f"no sample from the inertial unit for {silent_s:.1f} s"
         if self._trouble:
             return self._trouble

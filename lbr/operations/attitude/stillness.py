@@ -100,7 +100,8 @@ class Stillness:
         block.accel.add(accel_mps2)
         if mag_ut is not None:
             block.mag.add(mag_ut)
-        if time_s - block.began_s >= (FIRST_BLOCK_S if self.bias_rps is None else BLOCK_S):
+        least_s = FIRST_BLOCK_S if self.bias_rps is None else BLOCK_S
+        if time_s - block.began_s >= least_s and block.gyro.count >= LEAST_SAMPLES:
             self._block = None
             self._judge(block)
 
@@ -128,8 +129,7 @@ class Stillness:
     def _is_quiet(self, block: _Block, mean: Vector) -> bool:
         s = self._settings
         return (
-            block.gyro.count >= LEAST_SAMPLES
-            and block.gyro.noise() < radians(s.still_noise_dps)
+            block.gyro.noise() < radians(s.still_noise_dps)
             and block.accel.noise() < ACCEL_NOISE_MPS2
             and max(map(abs, mean)) < radians(s.bias_limit_dps)
         )

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from lbr.drivers.inertial import RestingSamples
+from lbr.drivers.inertial import AT_REST, RestingSamples
 from lbr.messages.imu import ImuSample
 from lbr.operations.attitude.fusion import LEARNING, NO_FIELD, Fusion
 from lbr.operations.attitude.settings import AttitudeSettings, Mounting
@@ -75,9 +75,9 @@ def test_the_zero_of_the_gyro_is_learnt_at_rest_before_anything_is_valid():
 
 def test_means_of_readings_turn_the_body_as_far_as_each_reading_does():
     imu = MadeUpImu(bias_dps=(0.3, -0.2, 0.4), rate_hz=25.0)
-    readings, resting = [*imu.run(4.0), *imu.run(5.04, 4.0)], RestingSamples()
+    readings, resting = [*imu.run(4.08), *imu.run(5.04, 4.0)], RestingSamples()
     samples = [sample for reading in readings for sample in resting.take(reading, quiet=True)]
-    assert len(samples) == len(readings) // 2
+    assert len(samples) == len(readings) // AT_REST
     by_each, by_mean = feed(fusion(), readings), feed(fusion(), samples)
     assert by_each.epoch == by_mean.epoch
     assert by_mean.turned_deg == pytest.approx(by_each.turned_deg, abs=0.1)
