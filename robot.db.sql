@@ -1,12 +1,12 @@
--- The robot as rows: schema of an lbr database, and the rows of the robot lbr, to be read from top to bottom.
+-- A robot as rows: first the tables of a database, then the rows of the robot lbr. Read it from top to bottom.
 --
--- `lbr` builds robot.db from this file at its first run, with the rows of the other robots that packages bring, such as
--- lbr/robots/bioloid/rows.sql; `sqlite3 robot.db < robot.db.sql && chmod 600 robot.db` builds it without them. Afterwards
--- robot.db is the robot: edit it with any SQLite client, also while the robot runs. A committed edit takes effect within
--- two seconds, or is refused as a whole and reported; nothing is read from here any more. `lbr db check` says what is
--- wrong with the rows, `lbr db diff` what differs from these files.
+-- At its first run, `lbr` builds robot.db from this file and from the rows of other robots, such as
+-- lbr/robots/bioloid/rows.sql. `sqlite3 robot.db < robot.db.sql && chmod 600 robot.db` builds it without those.
+-- Afterwards robot.db is the robot, and this file is not read again. Edit robot.db with any SQLite client, also while the
+-- robot runs. A committed edit takes effect within two seconds, or is refused as a whole and reported. `lbr db check`
+-- lists wrong rows, `lbr db diff` the differences from these files.
 --
--- Switch foreign keys on in your client (`PRAGMA foreign_keys = ON`) and let it wait for others
+-- In your client, switch foreign keys on (`PRAGMA foreign_keys = ON`) and wait for other programs
 -- (`PRAGMA busy_timeout = 2000`). Times are ISO 8601 in UTC unless their name ends in _ns. Names are small letters,
 -- digits and underscores.
 
@@ -18,32 +18,32 @@ BEGIN;
 
 -- The tables, written by docs/generate.py from their declarations: each is a class of rows in lbr.
 
--- The robots of this database; `lbr` runs one of them. Its name is the first part of every key on the bus.
+-- The robots. `lbr` runs one of them; its name is the first part of each of its keys on the bus.
 CREATE TABLE robot (
-    name          TEXT    NOT NULL PRIMARY KEY  -- by which profiles and tables know it
+    name          TEXT    NOT NULL PRIMARY KEY  -- its name in profiles and tables
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
-    model         TEXT    NOT NULL DEFAULT '',  -- what it is built as
+    model         TEXT    NOT NULL DEFAULT '',  -- the type of robot
     description   TEXT    NOT NULL DEFAULT '',  -- for people
     owner         TEXT    NOT NULL DEFAULT '',  -- for people
-    last_start    TEXT,  -- when it last started; written by lbr
-    last_shutdown TEXT,  -- when it last shut down in order; written by lbr
-    estop_engaged INTEGER NOT NULL DEFAULT 0  -- whether the emergency stop is latched, which outlasts restarts; written by lbr
+    last_start    TEXT,  -- its last start; written by lbr
+    last_shutdown TEXT,  -- its last orderly shutdown; written by lbr
+    estop_engaged INTEGER NOT NULL DEFAULT 0  -- 1: the emergency stop is latched, also over restarts; written by lbr
         CHECK (estop_engaged IN (0, 1)),
-    estop_reason  TEXT    NOT NULL DEFAULT ''  -- why it was latched; written by lbr
+    estop_reason  TEXT    NOT NULL DEFAULT ''  -- the reason of the latch; written by lbr
 ) STRICT;
 
 -- The capabilities: one process for each enabled row, unless rows share one.
 CREATE TABLE capability (
-    robot    TEXT    NOT NULL,  -- whose it is
+    robot    TEXT    NOT NULL,  -- its robot
     name     TEXT    NOT NULL  -- the second part of its keys; `executive` is lbr itself
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40 AND name <> 'executive'),
     kind     TEXT    NOT NULL  -- a registered kind, or a file in $LBR_HOME/capabilities
         CHECK (kind GLOB '[a-z]*' AND kind NOT GLOB '*[^a-z0-9_]*' AND length(kind) <= 40),
     enabled  INTEGER NOT NULL DEFAULT 1  -- whether it is started
         CHECK (enabled IN (0, 1)),
-    settings TEXT    NOT NULL DEFAULT '{}'  -- JSON object: what the kind may set; unknown keys are refused
+    settings TEXT    NOT NULL DEFAULT '{}'  -- JSON object: settings of its kind; unknown keys are refused
         CHECK (json_valid(settings) AND json_type(settings) = 'object'),
-    restart  TEXT    NOT NULL DEFAULT 'on-failure'  -- whether to start it again after its end
+    restart  TEXT    NOT NULL DEFAULT 'on-failure'  -- when it starts again after its end
         CHECK (restart IN ('never', 'on-failure', 'always')),
     needs    TEXT    NOT NULL DEFAULT '[]'  -- JSON list: the capabilities that start before it
         CHECK (json_valid(needs) AND json_type(needs) = 'array'),
@@ -54,9 +54,9 @@ CREATE TABLE capability (
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- The wiring: which output feeds which input.
+-- The wiring: each row feeds an output to an input.
 CREATE TABLE channel (
-    robot   TEXT    NOT NULL,  -- whose it is
+    robot   TEXT    NOT NULL,  -- its robot
     source  TEXT    NOT NULL  -- capability.output
         CHECK (source GLOB '[a-z]*.[a-z]*' AND source NOT GLOB '*[^a-z0-9_.]*' AND source NOT GLOB '*.*.*'),
     target  TEXT    NOT NULL  -- capability.input
@@ -73,23 +73,23 @@ CREATE TABLE channel (
 
 -- The devices. A capability's setting `device` names a row of this table.
 CREATE TABLE device (
-    robot    TEXT NOT NULL,  -- whose it is
-    name     TEXT NOT NULL  -- by which settings and calibrations know it
+    robot    TEXT NOT NULL,  -- its robot
+    name     TEXT NOT NULL  -- its name in settings and calibrations
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
-    type     TEXT NOT NULL  -- what it is; a kind says which type it drives
+    type     TEXT NOT NULL  -- its type, which the driver's kind names
         CHECK (type GLOB '[a-z]*' AND type NOT GLOB '*[^a-z0-9_]*' AND length(type) <= 40),
     address  TEXT NOT NULL  -- a path, usb:VID:PID[:SERIAL], by-id:GLOB, i2c:BUS:ADDRESS, unix:PATH
         CHECK (length(address) BETWEEN 1 AND 500),
-    settings TEXT NOT NULL DEFAULT '{}'  -- JSON object: what its type may set, such as its twin's faults
+    settings TEXT NOT NULL DEFAULT '{}'  -- JSON object: settings of its type, such as its twin's faults
         CHECK (json_valid(settings) AND json_type(settings) = 'object'),
     PRIMARY KEY (robot, name),
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- The console's vocabulary. A word may have several patterns. `/r/{power}/{angle_deg}` binds parts of a line to fields
--- of the target's message, `{text...}` the rest of the line with its slashes; a pattern without a slash is an alias.
+-- The words of the console. A word may have several patterns. `/r/{power}/{angle_deg}` puts parts of a line into fields
+-- of the target's message, `{text...}` the rest of the line with its slashes. A pattern without a slash is an alias.
 CREATE TABLE verb (
-    robot   TEXT NOT NULL,  -- whose it is
+    robot   TEXT NOT NULL,  -- its robot
     word    TEXT NOT NULL  -- the first part of the pattern; capital letters count
         CHECK (word GLOB '[A-Za-z]*' AND word NOT GLOB '*[^A-Za-z0-9_]*' AND length(word) <= 40),
     pattern TEXT NOT NULL  -- a line's form, see above
@@ -98,28 +98,28 @@ CREATE TABLE verb (
         CHECK (target GLOB '[a-z]*.[a-z]*' AND target NOT GLOB '*[^a-z0-9_.]*' AND target NOT GLOB '*.*.*'),
     payload TEXT  -- JSON object: fields that the pattern does not bind
         CHECK (payload IS NULL OR (json_valid(payload) AND json_type(payload) = 'object')),
-    role    TEXT NOT NULL DEFAULT 'operate'  -- the least role that may say it
+    role    TEXT NOT NULL DEFAULT 'operate'  -- the least role that may use it
         CHECK (role IN ('view', 'operate', 'admin')),
     help    TEXT NOT NULL DEFAULT '',  -- one line for people, with units and bounds
     PRIMARY KEY (robot, word, pattern),
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- Programs started at the console by name, without a shell. `arguments` has an entry for each word after the name, in
--- order; the last may be left out. An entry is a list of words, such as ["left", "right"], or a regular expression for
--- all of it, such as "[0-9]{1,3}". A word with '-' at its beginning must be in a list.
+-- Programs that the console starts by name, without a shell. `arguments` has an entry for each word after the name; the
+-- last words may be left out. An entry is a list of the allowed words, such as ["left", "right"], or a regular
+-- expression for the whole word, such as "[0-9]{1,3}". A word that begins with '-' must be in a list.
 CREATE TABLE external_command (
-    robot     TEXT    NOT NULL,  -- whose it is
+    robot     TEXT    NOT NULL,  -- its robot
     name      TEXT    NOT NULL  -- what to type
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     argv      TEXT    NOT NULL  -- JSON list: the program's path, then its arguments
         CHECK (json_valid(argv) AND json_type(argv) = 'array' AND json_array_length(argv) >= 1),
-    blocking  INTEGER NOT NULL DEFAULT 0  -- the console waits; 0: it runs on, until `stop NAME`
+    blocking  INTEGER NOT NULL DEFAULT 0  -- 1: the console waits for its end; 0: it runs on until `stop NAME`
         CHECK (blocking IN (0, 1)),
     enabled   INTEGER NOT NULL DEFAULT 1  -- whether it is offered
         CHECK (enabled IN (0, 1)),
     help      TEXT    NOT NULL DEFAULT '',  -- one line for people
-    arguments TEXT  -- JSON list: what may follow the name, see above
+    arguments TEXT  -- JSON list: the words after the name, see above
         CHECK (arguments IS NULL OR (json_valid(arguments) AND json_type(arguments) = 'array')),
     role      TEXT    NOT NULL DEFAULT 'operate'  -- the least role that may start and end it
         CHECK (role IN ('view', 'operate', 'admin')),
@@ -129,8 +129,8 @@ CREATE TABLE external_command (
 
 -- Behaviours: state tables, edited in any spreadsheet (docs/behaviours.md).
 CREATE TABLE behaviour (
-    robot TEXT NOT NULL,  -- whose it is
-    name  TEXT NOT NULL  -- by which it is run
+    robot TEXT NOT NULL,  -- its robot
+    name  TEXT NOT NULL  -- its name in commands
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     help  TEXT NOT NULL DEFAULT '',  -- one line for people
     max_s REAL NOT NULL DEFAULT 600  -- longest run; 0: until its end or a stop
@@ -139,17 +139,17 @@ CREATE TABLE behaviour (
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- The motions as a face to the outside numbers and names them; several numbers may mean one motion.
+-- Numbers and names of motions for a face, such as an old phone app. Several numbers may mean one motion.
 CREATE TABLE button (
-    robot   TEXT    NOT NULL,  -- whose it is
+    robot   TEXT    NOT NULL,  -- its robot
     id      INTEGER NOT NULL  -- the number
         CHECK (id BETWEEN 0 AND 9999),
-    name    TEXT    NOT NULL  -- the name there; of several alike, the lowest number's
+    name    TEXT    NOT NULL  -- its name there; among equal names the lowest number counts
         CHECK (length(name) BETWEEN 1 AND 40),
     button  TEXT    NOT NULL DEFAULT '',  -- the remote control's key
     motion  TEXT    NOT NULL DEFAULT ''  -- the motion; empty: only the controller is taken over
         CHECK (motion = '' OR (motion GLOB '[a-z]*' AND motion NOT GLOB '*[^a-z0-9_]*' AND length(motion) <= 40)),
-    builtin INTEGER NOT NULL DEFAULT 0  -- changed here only, not from the network
+    builtin INTEGER NOT NULL DEFAULT 0  -- 1: only an edit of the database changes it, never the network
         CHECK (builtin IN (0, 1)),
     PRIMARY KEY (robot, id),
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
@@ -157,10 +157,10 @@ CREATE TABLE button (
 
 -- The dances of the robots: one move after the other, to the beats of a song.
 CREATE TABLE choreography (
-    robot     TEXT    NOT NULL,  -- whose it is
-    dance     TEXT    NOT NULL  -- by which settings and commands know it
+    robot     TEXT    NOT NULL,  -- its robot
+    dance     TEXT    NOT NULL  -- its name in settings and commands
         CHECK (dance GLOB '[a-z]*' AND dance NOT GLOB '*[^a-z0-9_]*' AND length(dance) <= 40),
-    step      INTEGER NOT NULL  -- the order, from 1, in a circle
+    step      INTEGER NOT NULL  -- its place in the order, from 1; after the last comes the first
         CHECK (step BETWEEN 1 AND 10000),
     power     REAL    NOT NULL  -- fraction of full power
         CHECK (power BETWEEN 0 AND 1),
@@ -172,14 +172,14 @@ CREATE TABLE choreography (
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- Humanoids: the joints. The servo is at `zero_rad + sign * joint angle`.
+-- Humanoids: the joints. A servo's angle is `zero_rad + sign * joint angle`.
 CREATE TABLE joint (
-    robot     TEXT    NOT NULL,  -- whose it is
-    name      TEXT    NOT NULL  -- by which motions know it
+    robot     TEXT    NOT NULL,  -- its robot
+    name      TEXT    NOT NULL  -- its name in motions
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     device_id INTEGER NOT NULL  -- the servo's number on its bus
         CHECK (device_id BETWEEN 0 AND 253),
-    side      TEXT    NOT NULL DEFAULT 'centre'  -- which half of the body it belongs to
+    side      TEXT    NOT NULL DEFAULT 'centre'  -- its half of the body
         CHECK (side IN ('left', 'right', 'centre')),
     sign      INTEGER NOT NULL DEFAULT 1  -- -1: the servo turns against the joint
         CHECK (sign IN (1, -1)),
@@ -198,24 +198,24 @@ CREATE TABLE joint (
     CHECK (lower_rad < upper_rad)
 ) STRICT;
 
--- The arrangement of the wheels of the base, which is one row; a robot without it has two driven wheels on the motors
--- left and right.
+-- The arrangement of the base's wheels: one row. A robot without it has two driven wheels, on the motors `left` and
+-- `right`.
 CREATE TABLE kinematics (
-    robot        TEXT NOT NULL,  -- whose it is
-    name         TEXT NOT NULL  -- the base's; a robot has one
+    robot        TEXT NOT NULL,  -- its robot
+    name         TEXT NOT NULL  -- a name for the base
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     kind         TEXT NOT NULL  -- mecanum and omni move sideways
         CHECK (kind IN ('differential', 'skid', 'mecanum', 'omni')),
-    track_factor REAL NOT NULL DEFAULT 1  -- times the way of the wheels in a turn; above 1 where they slip
+    track_factor REAL NOT NULL DEFAULT 1  -- factor on the wheels' way in a turn; above 1 where they slip
         CHECK (track_factor BETWEEN 0.5 AND 5),
     PRIMARY KEY (robot, name),
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- Humanoids: the named motions. The robot's own controller keeps and plays one with a slot.
+-- Humanoids: the named motions. The robot's own controller stores and plays a motion that has a slot.
 CREATE TABLE motion (
-    robot    TEXT    NOT NULL,  -- whose it is
-    name     TEXT    NOT NULL  -- by which it is played
+    robot    TEXT    NOT NULL,  -- its robot
+    name     TEXT    NOT NULL  -- its name in commands
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     help     TEXT    NOT NULL DEFAULT '',  -- one line for people
     lead_in  TEXT    NOT NULL DEFAULT ''  -- the motion played once before it; empty: none
@@ -224,22 +224,22 @@ CREATE TABLE motion (
         CHECK (lead_out = '' OR (lead_out GLOB '[a-z]*' AND lead_out NOT GLOB '*[^a-z0-9_]*' AND length(lead_out) <= 40)),
     slot     INTEGER  -- its number in the robot's own controller
         CHECK (slot IS NULL OR (slot BETWEEN 1 AND 255)),
-    slot_s   REAL  -- how long the controller takes for it
+    slot_s   REAL  -- its duration there
         CHECK (slot_s IS NULL OR (slot_s > 0 AND slot_s <= 600)),
-    limp     INTEGER NOT NULL DEFAULT 0  -- the controller releases the joints at its end
+    limp     INTEGER NOT NULL DEFAULT 0  -- 1: the controller releases the joints at its end
         CHECK (limp IN (0, 1)),
-    builtin  INTEGER NOT NULL DEFAULT 0  -- changed here only, not from the network
+    builtin  INTEGER NOT NULL DEFAULT 0  -- 1: only an edit of the database changes it, never the network
         CHECK (builtin IN (0, 1)),
     PRIMARY KEY (robot, name),
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,
     CHECK ((slot IS NULL) = (slot_s IS NULL))
 ) STRICT;
 
--- The servos as a face to the outside numbers, names and limits them, in the servos' own counts; in layers, of which a
--- face uses one. The limits of the joints hold for every layer.
+-- Numbers, names and limits of servos for a face, such as an old phone app, in the servos' own counts. A face uses one
+-- layer. The limits of the joints always hold, too.
 CREATE TABLE motor (
-    robot       TEXT    NOT NULL,  -- whose it is
-    layer       TEXT    NOT NULL  -- by which a face's settings know it
+    robot       TEXT    NOT NULL,  -- its robot
+    layer       TEXT    NOT NULL  -- its name in a face's settings
         CHECK (layer GLOB '[a-z]*' AND layer NOT GLOB '*[^a-z0-9_]*' AND length(layer) <= 40),
     id          INTEGER NOT NULL  -- the servo's number on its bus
         CHECK (id BETWEEN 0 AND 253),
@@ -248,15 +248,15 @@ CREATE TABLE motor (
     description TEXT    NOT NULL DEFAULT '',  -- for people
     initial     INTEGER NOT NULL  -- a face's position before the first move
         CHECK (initial BETWEEN 0 AND 16383),
-    lowest      INTEGER NOT NULL  -- positions beyond are brought within
+    lowest      INTEGER NOT NULL  -- a position beyond becomes the limit
         CHECK (lowest BETWEEN 0 AND 16383),
     highest     INTEGER NOT NULL  -- see lowest
         CHECK (highest BETWEEN 0 AND 16383),
-    rest        INTEGER NOT NULL  -- where it belongs
+    rest        INTEGER NOT NULL  -- its position at rest
         CHECK (rest BETWEEN 0 AND 16383),
-    inverted    INTEGER NOT NULL DEFAULT 0  -- percentages count from its highest position
+    inverted    INTEGER NOT NULL DEFAULT 0  -- 1: percentages count from its highest position
         CHECK (inverted IN (0, 1)),
-    builtin     INTEGER NOT NULL DEFAULT 0  -- changed here only, not from the network
+    builtin     INTEGER NOT NULL DEFAULT 0  -- 1: only an edit of the database changes it, never the network
         CHECK (builtin IN (0, 1)),
     PRIMARY KEY (robot, layer, id),
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,
@@ -265,22 +265,22 @@ CREATE TABLE motor (
 
 -- The phrases of the robots, by name and language.
 CREATE TABLE phrase (
-    name     TEXT NOT NULL  -- by which programs know it
+    name     TEXT NOT NULL  -- its name in programs
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     language TEXT NOT NULL  -- a language tag in small letters: en, de, pt-br
         CHECK (language GLOB '[a-z][a-z]*' AND language NOT GLOB '*[^a-z0-9-]*' AND length(language) <= 20),
-    text     TEXT NOT NULL  -- what is said
+    text     TEXT NOT NULL  -- the spoken text
         CHECK (length(text) BETWEEN 1 AND 1000),
     PRIMARY KEY (name, language)
 ) STRICT;
 
--- Sensors of distance: where each one sits on the base, where it looks, how wide and how far. Axes are REP 103's: x
--- ahead, y left, from the middle between the wheels; angles are anticlockwise.
+-- Sensors of distance: the place of each on the base, its direction, width and reach. Axes are REP 103's: x ahead, y
+-- left, from the middle between the wheels; angles are anticlockwise.
 CREATE TABLE range_sensor (
-    robot     TEXT    NOT NULL,  -- whose it is
-    name      TEXT    NOT NULL  -- by which readings, scans and rules know it
+    robot     TEXT    NOT NULL,  -- its robot
+    name      TEXT    NOT NULL  -- its name in readings, scans and rules
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
-    kind      TEXT    NOT NULL  -- by what it measures
+    kind      TEXT    NOT NULL  -- how it measures
         CHECK (kind IN ('ultrasonic', 'infrared', 'time_of_flight', 'lidar')),
     x_m       REAL    NOT NULL DEFAULT 0  -- ahead of the middle between the wheels
         CHECK (x_m BETWEEN -5 AND 5),
@@ -294,13 +294,13 @@ CREATE TABLE range_sensor (
         CHECK (pitch_rad BETWEEN -2 AND 2),
     fov_rad   REAL    NOT NULL DEFAULT 0.4  -- its whole width; 6.2832: all around
         CHECK (fov_rad > 0 AND fov_rad <= 6.2832),
-    min_m     REAL    NOT NULL DEFAULT 0.02  -- what is nearer it cannot measure
+    min_m     REAL    NOT NULL DEFAULT 0.02  -- it measures nothing nearer
         CHECK (min_m BETWEEN 0 AND 100),
     max_m     REAL    NOT NULL DEFAULT 4  -- a number above this is a fault
         CHECK (max_m > 0 AND max_m <= 100),
     rays      INTEGER NOT NULL DEFAULT 1  -- 1: one distance; more: a scan of so many
         CHECK (rays BETWEEN 1 AND 4096),
-    stop_m    REAL    DEFAULT 0.25  -- the base stops so far before a sight; NULL: only by rules that name it
+    stop_m    REAL    DEFAULT 0.25  -- the base stops at this distance; NULL: only rules that name the sensor stop it
         CHECK (stop_m IS NULL OR (stop_m > 0 AND stop_m <= 10)),
     PRIMARY KEY (robot, name),
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE,
@@ -309,8 +309,8 @@ CREATE TABLE range_sensor (
 
 -- The driven wheels. Axes are REP 103's: x ahead, y left, from the middle of the base; angles are anticlockwise.
 CREATE TABLE wheel (
-    robot      TEXT NOT NULL,  -- whose it is
-    name       TEXT NOT NULL  -- by which people know it
+    robot      TEXT NOT NULL,  -- its robot
+    name       TEXT NOT NULL  -- its name for people
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     motor      TEXT NOT NULL  -- its motor, which may drive several
         CHECK (motor GLOB '[a-z]*' AND motor NOT GLOB '*[^a-z0-9_]*' AND length(motor) <= 40),
@@ -328,22 +328,22 @@ CREATE TABLE wheel (
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- The rows of a behaviour: of a state, the first whose conditions all hold is taken. A bad cell stops only its
+-- The rows of a behaviour. In a state, the first row whose conditions all hold is taken. A wrong cell stops only its
 -- behaviour.
 CREATE TABLE behaviour_row (
-    robot      TEXT    NOT NULL,  -- whose it is
-    behaviour  TEXT    NOT NULL,  -- which behaviour it belongs to
+    robot      TEXT    NOT NULL,  -- its robot
+    behaviour  TEXT    NOT NULL,  -- its behaviour
     step       INTEGER NOT NULL  -- the order, from 1
         CHECK (step BETWEEN 1 AND 10000),
     type       TEXT    NOT NULL DEFAULT ''  -- start: the first state; end, fail: good and bad ends; entry: done on entering; #: comment
         CHECK (type IN ('', 'start', 'end', 'fail', 'entry', '#')),
-    state      TEXT    NOT NULL DEFAULT ''  -- the state that it is a row of
+    state      TEXT    NOT NULL DEFAULT ''  -- its state
         CHECK (length(state) <= 80),
     conditions TEXT    NOT NULL DEFAULT '{}'  -- JSON object: column to condition, such as {"Forward": "< 40"}
         CHECK (json_valid(conditions) AND json_type(conditions) = 'object'),
     outputs    TEXT    NOT NULL DEFAULT '{}'  -- JSON object: what is done, such as {"level": "0.2", "angle": "0"}
         CHECK (json_valid(outputs) AND json_type(outputs) = 'object'),
-    next_state TEXT    NOT NULL DEFAULT ''  -- where it leads
+    next_state TEXT    NOT NULL DEFAULT ''  -- the next state
         CHECK (length(next_state) <= 80),
     deadline_s REAL  -- longest time in its state, then the behaviour fails
         CHECK (deadline_s IS NULL OR (deadline_s > 0 AND deadline_s <= 86400)),
@@ -353,9 +353,9 @@ CREATE TABLE behaviour_row (
 
 -- Numbers measured on a device by calibration, for its driver's next start.
 CREATE TABLE calibration (
-    robot       TEXT NOT NULL,  -- whose it is
-    device      TEXT NOT NULL,  -- which device was measured
-    name        TEXT NOT NULL  -- what was measured, with its unit as a suffix
+    robot       TEXT NOT NULL,  -- its robot
+    device      TEXT NOT NULL,  -- the measured device
+    name        TEXT NOT NULL  -- the quantity, with its unit as a suffix
         CHECK (name GLOB '[a-z]*' AND name NOT GLOB '*[^a-z0-9_]*' AND length(name) <= 40),
     value       REAL NOT NULL  -- the number
         CHECK (value BETWEEN -1e+300 AND 1e+300),
@@ -364,30 +364,30 @@ CREATE TABLE calibration (
     FOREIGN KEY (robot, device) REFERENCES device (robot, name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- Humanoids: the key frames of a motion, in order; of one in a slot, where it leads.
+-- Humanoids: the key frames of a motion, in order. Those of a motion in a slot show where it leads.
 CREATE TABLE motion_step (
-    robot      TEXT    NOT NULL,  -- whose it is
-    motion     TEXT    NOT NULL,  -- which motion it belongs to
+    robot      TEXT    NOT NULL,  -- its robot
+    motion     TEXT    NOT NULL,  -- its motion
     step       INTEGER NOT NULL  -- the order, from 1
         CHECK (step BETWEEN 1 AND 10000),
     duration_s REAL    NOT NULL  -- from the step before
         CHECK (duration_s > 0 AND duration_s <= 60),
     positions  TEXT    NOT NULL  -- JSON object: joint name to angle in radians; joints left out stay
         CHECK (json_valid(positions) AND json_type(positions) = 'object'),
-    stable     INTEGER NOT NULL DEFAULT 0  -- it stands here; a stopped motion goes on to here
+    stable     INTEGER NOT NULL DEFAULT 0  -- 1: it stands here, and a stopped motion goes on to here
         CHECK (stable IN (0, 1)),
     PRIMARY KEY (robot, motion, step),
     FOREIGN KEY (robot, motion) REFERENCES motion (robot, name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- The revision of the schema, kept by the migrations in lbr/database/migrations. Not to be edited.
+-- The revision of the schema, written by the migrations in lbr/database/migrations. Do not edit it.
 CREATE TABLE alembic_version (
     version_num TEXT NOT NULL PRIMARY KEY  -- a revision's identifier
 ) STRICT;
 
 -- The roles of people and machines. The token itself is shown once and never stored.
 CREATE TABLE user_token (
-    name        TEXT NOT NULL PRIMARY KEY  -- whose it is
+    name        TEXT NOT NULL PRIMARY KEY  -- its owner
         CHECK (length(name) BETWEEN 1 AND 40),
     role        TEXT NOT NULL  -- look, move, change, or run a share of the robot
         CHECK (role IN ('view', 'operate', 'admin', 'host')),
@@ -396,19 +396,19 @@ CREATE TABLE user_token (
     created_at  TEXT NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now')),  -- when
     revoked_at  TEXT,  -- NULL: valid
     expires_at  TEXT,  -- NULL: never
-    good_for    TEXT NOT NULL DEFAULT 'both'  -- where it lets in
+    good_for    TEXT NOT NULL DEFAULT 'both'  -- the doors that it opens
         CHECK (good_for IN ('bus', 'web', 'both')),
     paired_from TEXT  -- the address that paired; NULL: made by hand
         CHECK (paired_from IS NULL OR (length(paired_from) BETWEEN 1 AND 64))
 ) STRICT;
 
--- Every change of rows that make the robot, kept by the triggers at the end of this file.
+-- Every change of a row, written by the triggers at the end of this file.
 CREATE TABLE revision (
     id         INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,  -- counts up, and is never used again
-    table_name TEXT    NOT NULL,  -- which table
+    table_name TEXT    NOT NULL,  -- the table
     row_key    TEXT    NOT NULL  -- JSON list: the row's primary key (after an update, the new one)
         CHECK (json_valid(row_key) AND json_type(row_key) = 'array'),
-    operation  TEXT    NOT NULL  -- what was done to the row
+    operation  TEXT    NOT NULL  -- the operation
         CHECK (operation IN ('insert', 'update', 'delete')),
     old_row    TEXT  -- JSON object: the row before; NULL for an insert
         CHECK (old_row IS NULL OR (json_valid(old_row) AND json_type(old_row) = 'object')),
@@ -417,64 +417,63 @@ CREATE TABLE revision (
     changed_at TEXT    NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now'))  -- when
 ) STRICT;
 
--- The author of a change, and the program: written by lbr's own programs in the transaction of the change. A revision
--- outside all of these is another SQLite client's.
+-- The author and the program of each change that lbr made. A revision outside all of these is another SQLite client's.
 CREATE TABLE change (
     first_revision INTEGER NOT NULL PRIMARY KEY,  -- its first revision
     last_revision  INTEGER NOT NULL  -- its last one
         CHECK (last_revision >= first_revision),
     source         TEXT    NOT NULL,  -- an account here, a capability, or a page's user
-    program        TEXT    NOT NULL,  -- by what: lbr db rollback, executive ...
-    text           TEXT    NOT NULL DEFAULT ''  -- what for, in one sentence
+    program        TEXT    NOT NULL,  -- such as lbr db rollback, executive
+    text           TEXT    NOT NULL DEFAULT ''  -- its purpose, in one sentence
 ) STRICT;
 
--- Changes of rows on trial (`lbr db apply --within`): the robot goes back unless all that they touch is ready in time.
--- The newest row alone counts. Written by lbr.
+-- Changes of rows on trial (`lbr db apply --within`), written by lbr. The robot goes back to the rows before, unless
+-- all changed parts are ready in time. Only the newest row counts.
 CREATE TABLE trial (
     revision INTEGER NOT NULL PRIMARY KEY,  -- the last revision that is on trial
     back     INTEGER NOT NULL  -- the revision to go back to
         CHECK (back >= 0),
-    robot    TEXT    NOT NULL,  -- whose executive judges
-    within_s REAL    NOT NULL  -- how long it may take
+    robot    TEXT    NOT NULL,  -- the robot whose executive judges
+    within_s REAL    NOT NULL  -- the time limit
         CHECK (within_s > 0 AND within_s <= 600),
-    state    TEXT    NOT NULL DEFAULT 'running'  -- what became of it
+    state    TEXT    NOT NULL DEFAULT 'running'  -- its result
         CHECK (state IN ('running', 'kept', 'back', 'lost')),
-    text     TEXT    NOT NULL DEFAULT ''  -- why, in one sentence
+    text     TEXT    NOT NULL DEFAULT ''  -- the reason, in one sentence
 ) STRICT;
 
--- Events; written by lbr, the oldest go when there are very many.
+-- Events, written by lbr. The oldest of very many are deleted.
 CREATE TABLE event (
     id      INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,  -- counts up, and is never used again
     wall_ns INTEGER NOT NULL  -- nanoseconds since 1970 by the wall clock
         CHECK (wall_ns >= 0),
     kind    TEXT    NOT NULL,  -- started, stopped, crashed, refused, row_changed ...
-    subject TEXT    NOT NULL DEFAULT '',  -- the capability, or whom it is about
-    level   TEXT    NOT NULL DEFAULT 'info'  -- how much it matters
+    subject TEXT    NOT NULL DEFAULT '',  -- the capability or person
+    level   TEXT    NOT NULL DEFAULT 'info'  -- its importance
         CHECK (level IN ('info', 'warning', 'error')),
     text    TEXT    NOT NULL DEFAULT '',  -- one sentence
-    data    TEXT    NOT NULL DEFAULT '{}'  -- JSON object: figures that belong to it
+    data    TEXT    NOT NULL DEFAULT '{}'  -- JSON object: its figures
         CHECK (json_valid(data) AND json_type(data) = 'object')
 ) STRICT;
 
--- The audit trail: who did what to the robot. Each row's hash covers the hash before it: `lbr db check` finds a changed
--- or missing row; the oldest of very many go. Written by lbr, and never changed.
+-- The audit trail: what people and programs did to the robot. Each hash covers the hash before it, so `lbr db check`
+-- finds a changed or missing row. Written by lbr and never changed; the oldest of very many are deleted.
 CREATE TABLE audit (
     id       INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT,  -- counts up without a gap
     wall_ns  INTEGER NOT NULL  -- nanoseconds since 1970 by the wall clock
         CHECK (wall_ns >= 0),
     kind     TEXT    NOT NULL,  -- run, shutdown, holder, stopped, estop, login, rows_changed, python ...
-    subject  TEXT    NOT NULL,  -- the capability, or whom it is about
-    source   TEXT    NOT NULL,  -- who said so, as robot/capability
+    subject  TEXT    NOT NULL,  -- the capability or person
+    source   TEXT    NOT NULL,  -- the sender, as robot/capability
     text     TEXT    NOT NULL,  -- one sentence
     previous TEXT    NOT NULL,  -- the hash of the row before; empty for the very first
     hash     TEXT    NOT NULL  -- BLAKE2b over all of this row but itself
 ) STRICT;
 
--- The row sets that ran, so that rows which change without an edit are noticed. Written by lbr.
+-- The row sets that ran, written by lbr. They show rows that changed without an edit.
 CREATE TABLE adopted (
-    revision INTEGER NOT NULL PRIMARY KEY,  -- the last change of rows that was in it; 0: none
+    revision INTEGER NOT NULL PRIMARY KEY,  -- its last revision; 0: none
     hash     TEXT    NOT NULL,  -- BLAKE2b over the rows that make robots
-    wall_ns  INTEGER NOT NULL  -- when it was adopted first, nanoseconds since 1970
+    wall_ns  INTEGER NOT NULL  -- its first adoption, nanoseconds since 1970
         CHECK (wall_ns >= 0)
 ) STRICT;
 
@@ -499,8 +498,8 @@ INSERT INTO device (robot, name, type, address, settings) VALUES
     ('lbr', 'speaker', 'speaker', 'alsa:default', '{}'),
     ('lbr', 'dock_receiver', 'infrared', '/dev/lirc0', '{}');
 
--- The ring: it looks from the outline of the base. The drive's own rules name these sensors; a row that is to stop the base
--- by itself has a stop_m. An MB1220 is said to measure up to 7.65 m; from 8 m on its number is a fault.
+-- The ring looks from the outline of the base. The drive's own rules name these sensors, so none has a stop_m, by which it
+-- would stop the base itself. An MB1220 measures up to 7.65 m by its makers; from 8 m on its number is a fault.
 INSERT INTO range_sensor (robot, name, kind, x_m, y_m, z_m, yaw_rad, pitch_rad, fov_rad, min_m, max_m, rays, stop_m) VALUES
     ('lbr', 'forward', 'ultrasonic', 0.215, 0, 0.3, 0, 0, 0.4, 0.17, 8, 1, NULL),
     ('lbr', 'back', 'ultrasonic', -0.215, 0, 0.3, 3.141592653589793, 0, 0.4, 0.17, 8, 1, NULL),
@@ -508,8 +507,8 @@ INSERT INTO range_sensor (robot, name, kind, x_m, y_m, z_m, yaw_rad, pitch_rad, 
     ('lbr', 'right', 'ultrasonic', 0, -0.15, 0.3, -1.5707963267948966, 0, 0.4, 0.17, 8, 1, NULL),
     ('lbr', 'bottom', 'ultrasonic', 0, 0, 0.3, 0, 1.5707963267948966, 0.4, 0.17, 8, 1, NULL);
 
--- Drive and motor driver share a process: a setpoint is at the driver at once, and the guard at the motor line stands for both. So do
--- others that are light, and lose little when one of them takes the rest along.
+-- Drive and motor driver share a process: a setpoint reaches the driver at once, and the guard at the motor line covers both. Other
+-- light capabilities share processes, too; little is lost when one of them takes the rest along.
 INSERT INTO capability (robot, name, kind, process, settings, needs, help) VALUES
     ('lbr', 'motors', 'roboteq', 'base',
      '{"device": "motor_controller",
@@ -558,7 +557,7 @@ INSERT INTO capability (robot, name, kind, process, settings, help) VALUES
     ('lbr', 'web', 'web', 'pages', '{"port": 50001, "faces": ["page", "model", "cameras", "call"]}',
      'The robot over HTTP: its page and API, stop, cameras; on this machine only, unless the settings say otherwise');
 
--- The robot's old API, for the clients it has always had: to this machine, without a token only while it is simulated.
+-- The robot's old API, for its old clients: this machine only, without a token only in simulation.
 INSERT INTO capability (robot, name, kind, process, settings, help) VALUES
     ('lbr', 'web_api', 'web', 'pages', '{"port": 9145, "faces": ["lbr_original"]}',
      'The robot''s HTTP API of old: drive, speak, telemetry, cameras; moved by this machine alone, or as legacy says');
@@ -578,8 +577,8 @@ INSERT INTO capability (robot, name, kind, enabled, settings, needs, help) VALUE
     ('lbr', 'teleop', 'gamepad_teleop', 0, '{"lines": {"y": "/s/hello"}}', '["drive"]',
      'The hand on a gamepad: drives while its dead-man button is held; a button stops, others say lines');
 
--- Off: nothing on the robot can be reached from other machines. `UPDATE capability SET enabled = 1 WHERE name = 'lan'`
--- lets in whoever has a token (`lbr token add NAME`).
+-- Off: other machines cannot reach the robot. `UPDATE capability SET enabled = 1 WHERE name = 'lan'` lets in holders of a
+-- token (`lbr token add NAME`).
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('lbr', 'lan', 'lan', 0, '{"listen": ["tls/0.0.0.0:7447"]}',
      'The door to other machines: whoever has a token comes in');
@@ -664,7 +663,7 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('lbr', 'teleop.say', 'executive.line', 1),
     ('lbr', 'ros2.say', 'executive.line', 1);
 
--- What needs no more than a few messages a second gets no more.
+-- Readers that need only a few messages a second get no more.
 INSERT INTO channel (robot, source, target, rate_hz) VALUES
     ('lbr', 'motors.state', 'battery.motors', 5),
     ('lbr', 'battery.say', 'speech.say', NULL),
@@ -679,7 +678,7 @@ INSERT INTO channel (robot, source, target, rate_hz) VALUES
     ('lbr', 'camera_front.frame', 'ros2.frames', 10),
     ('lbr', 'camera_rear.frame', 'ros2.frames', 10);
 
--- Most of its words come with the kinds of its capabilities; a row of the same pattern takes the place of one.
+-- The kinds of its capabilities bring most of its words; a row with the same pattern replaces one.
 INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
     ('lbr', 'f', 'f', 'drive.command', '{"power": 0.25, "angle_deg": 0}', 'operate',
      'Drive ahead at a quarter of full power'),
@@ -952,8 +951,8 @@ INSERT INTO behaviour_row (robot, behaviour, step, type, state, conditions, outp
 
 
 -- ---------------------------------------------------------------------------------------------------------------------
--- Triggers that keep the revisions, written by docs/generate.py as well; last, so that a new database begins at revision
--- 0. What lbr itself writes into the robot's row while it runs (last start and shutdown, emergency stop) is no revision.
+-- The triggers that write the revisions, written by docs/generate.py, too. They come last, so that a new database begins at
+-- revision 0. Values that lbr writes into the robot's row while it runs (start, shutdown, emergency stop) are not a revision.
 
 CREATE TRIGGER robot_insert AFTER INSERT ON robot
 BEGIN

@@ -26,7 +26,7 @@ Key = tuple[Any, ...]
 
 
 class ChangeRow(Row, frozen=True, kw_only=True):
-    """The author of a change, and the program: written by lbr's own programs in the transaction of the change. A revision outside all of these is another SQLite client's."""
+    """The author and the program of each change that lbr made. A revision outside all of these is another SQLite client's."""
 
     TABLE = "change"
     KEY = ("first_revision",)
@@ -37,8 +37,8 @@ class ChangeRow(Row, frozen=True, kw_only=True):
         int, Meta(extra={"shape": Shape("{x} >= first_revision", "at least first_revision")}), "its last one"
     ]
     source: Annotated[str, "an account here, a capability, or a page's user"]
-    program: Annotated[str, "by what: lbr db rollback, executive ..."]
-    text: Annotated[str, "what for, in one sentence"] = ""
+    program: Annotated[str, "such as lbr db rollback, executive"]
+    text: Annotated[str, "its purpose, in one sentence"] = ""
 
 
 class HistoryEntry(Struct, frozen=True, kw_only=True):

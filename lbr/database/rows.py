@@ -28,7 +28,7 @@ BUILT_IN = "is a word that every robot has, and no row changes: drop this row, o
 
 
 class RobotRow(Row, frozen=True, kw_only=True):
-    """The robots of this database; `lbr` runs one of them. Its name is the first part of every key on the bus.
+    """The robots. `lbr` runs one of them; its name is the first part of each of its keys on the bus.
 
     Times are ISO 8601 in UTC. A latch that cannot be read is engaged.
     """
@@ -37,16 +37,16 @@ class RobotRow(Row, frozen=True, kw_only=True):
     KEY = ("name",)
     SHARED = True
 
-    name: Annotated[Name, "by which profiles and tables know it"]
-    model: Annotated[str, "what it is built as"] = ""
+    name: Annotated[Name, "its name in profiles and tables"]
+    model: Annotated[str, "the type of robot"] = ""
     description: Annotated[str, "for people"] = ""
     owner: Annotated[str, "for people"] = ""
-    last_start: Annotated[str | None, BY_LBR, "when it last started"] = None
-    last_shutdown: Annotated[str | None, BY_LBR, "when it last shut down in order"] = None
+    last_start: Annotated[str | None, BY_LBR, "its last start"] = None
+    last_shutdown: Annotated[str | None, BY_LBR, "its last orderly shutdown"] = None
     estop_engaged: Annotated[
-        bool, BY_LBR, Meta(extra={"default": "0"}), "whether the emergency stop is latched, which outlasts restarts"
+        bool, BY_LBR, Meta(extra={"default": "0"}), "1: the emergency stop is latched, also over restarts"
     ] = True
-    estop_reason: Annotated[str, BY_LBR, "why it was latched"] = ""
+    estop_reason: Annotated[str, BY_LBR, "the reason of the latch"] = ""
 
 
 def _not_lbr(row: "CapabilityRow", _: Others) -> Iterator[Fault]:
@@ -99,8 +99,8 @@ class CapabilityRow(Row, frozen=True, kw_only=True):
     ]
     kind: Annotated[Name, "a registered kind, or a file in $LBR_HOME/capabilities"]
     enabled: Annotated[bool, "whether it is started"] = True
-    settings: Annotated[JsonObject, "what the kind may set; unknown keys are refused"] = "{}"
-    restart: Annotated[Restart, "whether to start it again after its end"] = "on-failure"
+    settings: Annotated[JsonObject, "settings of its kind; unknown keys are refused"] = "{}"
+    restart: Annotated[Restart, "when it starts again after its end"] = "on-failure"
     needs: Annotated[tuple[str, ...], "the capabilities that start before it"] = ()
     help: Annotated[str, "for people"] = ""
     process: Annotated[NameOrNone, "the process that it shares; empty: its own"] = ""
@@ -121,7 +121,7 @@ def _capability_there(column: str, end: str, others: Others, known: str) -> Iter
 
 
 class ChannelRow(Row, frozen=True, kw_only=True):
-    """The wiring: which output feeds which input."""
+    """The wiring: each row feeds an output to an input."""
 
     TABLE = "channel"
     KEY = ("source", "target")
@@ -156,14 +156,12 @@ class DeviceRow(Row, frozen=True, kw_only=True):
     KEY = ("name",)
     CHECKS = (_printable,)
 
-    name: Annotated[Name, "by which settings and calibrations know it"]
-    type: Annotated[Name, "what it is; a kind says which type it drives"]
+    name: Annotated[Name, "its name in settings and calibrations"]
+    type: Annotated[Name, "its type, which the driver's kind names"]
     address: Annotated[
         str, Meta(min_length=1, max_length=500), "a path, usb:VID:PID[:SERIAL], by-id:GLOB, i2c:BUS:ADDRESS, unix:PATH"
     ]
-    settings: Annotated[dict[str, Any], "what its type may set, such as its twin's faults"] = field(
-        default_factory=dict
-    )
+    settings: Annotated[dict[str, Any], "settings of its type, such as its twin's faults"] = field(default_factory=dict)
 
 
 def _pattern(row: "VerbRow", _: Others) -> Iterator[Fault]:
@@ -210,7 +208,8 @@ def _same_lines(row: "VerbRow", others: Others) -> Iterator[Fault]:
 
 
 class VerbRow(Row, frozen=True, kw_only=True):
-    """The console's vocabulary. A word may have several patterns. `/r/{power}/{angle_deg}` binds parts of a line to fields of the target's message, `{text...}` the rest of the line with its slashes; a pattern without a slash is an alias."""
+    """The words of the console. A word may have several patterns. `/r/{power}/{angle_deg}` puts parts of a line into fields of
+    the target's message, `{text...}` the rest of the line with its slashes. A pattern without a slash is an alias."""
 
     TABLE = "verb"
     KEY = ("word", "pattern")
@@ -227,7 +226,7 @@ class VerbRow(Row, frozen=True, kw_only=True):
     pattern: Annotated[str, Meta(min_length=1, extra={"shape": shapes.PATTERN}), "a line's form, see above"]
     target: Annotated[End, "capability.command, or lbr's own executive.NAME"]
     payload: Annotated[dict[str, Any] | None, "fields that the pattern does not bind"] = None
-    role: Annotated[Role, "the least role that may say it"] = "operate"
+    role: Annotated[Role, "the least role that may use it"] = "operate"
     help: Annotated[str, "one line for people, with units and bounds"] = ""
 
     @property
@@ -254,7 +253,9 @@ def _no_verb(row: "ExternalCommandRow", others: Others) -> Iterator[Fault]:
 
 
 class ExternalCommandRow(Row, frozen=True, kw_only=True):
-    """Programs started at the console by name, without a shell. `arguments` has an entry for each word after the name, in order; the last may be left out. An entry is a list of words, such as ["left", "right"], or a regular expression for all of it, such as "[0-9]{1,3}". A word with '-' at its beginning must be in a list."""
+    """Programs that the console starts by name, without a shell. `arguments` has an entry for each word after the name; the
+    last words may be left out. An entry is a list of the allowed words, such as ["left", "right"], or a regular expression for
+    the whole word, such as "[0-9]{1,3}". A word that begins with '-' must be in a list."""
 
     TABLE = "external_command"
     KEY = ("name",)
@@ -262,10 +263,10 @@ class ExternalCommandRow(Row, frozen=True, kw_only=True):
 
     name: Annotated[Name, "what to type"]
     argv: Annotated[tuple[str, ...], Meta(extra={"shape": shapes.PROGRAM}), "the program's path, then its arguments"]
-    blocking: Annotated[bool, "the console waits; 0: it runs on, until `stop NAME`"] = False
+    blocking: Annotated[bool, "1: the console waits for its end; 0: it runs on until `stop NAME`"] = False
     enabled: Annotated[bool, "whether it is offered"] = True
     help: Annotated[str, "one line for people"] = ""
-    arguments: Annotated[list[Any] | None, "what may follow the name, see above"] = None
+    arguments: Annotated[list[Any] | None, "the words after the name, see above"] = None
     role: Annotated[Role, "the least role that may start and end it"] = "operate"
 
 
@@ -296,13 +297,13 @@ class TokenRow(Row, frozen=True, kw_only=True):
     KEY = ("name",)
     SHARED = True
 
-    name: Annotated[str, Meta(min_length=1, max_length=40), "whose it is"]
+    name: Annotated[str, Meta(min_length=1, max_length=40), "its owner"]
     role: Annotated[TokenRole, "look, move, change, or run a share of the robot"]
     hash: Annotated[str, Meta(min_length=32), "of the token"]
     created_at: Annotated[str, NOW, "when"]
     revoked_at: Annotated[str | None, "NULL: valid"] = None
     expires_at: Annotated[str | None, "NULL: never"] = None
-    good_for: Annotated[GoodFor, "where it lets in"] = "both"
+    good_for: Annotated[GoodFor, "the doors that it opens"] = "both"
     paired_from: (
         Annotated[str, Meta(min_length=1, max_length=64), "the address that paired; NULL: made by hand"] | None
     ) = None
@@ -322,7 +323,8 @@ class TokenRow(Row, frozen=True, kw_only=True):
 
 
 class AuditRow(Row, frozen=True, kw_only=True):
-    """The audit trail: who did what to the robot. Each row's hash covers the hash before it: `lbr db check` finds a changed or missing row; the oldest of very many go. Written by lbr, and never changed."""
+    """The audit trail: what people and programs did to the robot. Each hash covers the hash before it, so `lbr db check` finds
+    a changed or missing row. Written by lbr and never changed; the oldest of very many are deleted."""
 
     TABLE = "audit"
     KEY = ("id",)
@@ -331,8 +333,8 @@ class AuditRow(Row, frozen=True, kw_only=True):
     id: Annotated[int, COUNTED, "counts up without a gap"] = 0
     wall_ns: Annotated[int, Meta(ge=0), "nanoseconds since 1970 by the wall clock"]
     kind: Annotated[str, "run, shutdown, holder, stopped, estop, login, rows_changed, python ..."]
-    subject: Annotated[str, "the capability, or whom it is about"]
-    source: Annotated[str, "who said so, as robot/capability"]
+    subject: Annotated[str, "the capability or person"]
+    source: Annotated[str, "the sender, as robot/capability"]
     text: Annotated[str, "one sentence"]
     previous: Annotated[str, REQUIRED, "the hash of the row before; empty for the very first"] = ""
     hash: Annotated[str, REQUIRED, "BLAKE2b over all of this row but itself"] = ""

@@ -34,7 +34,7 @@ def metadata(rows: Iterable[type[Row]]) -> MetaData:
         whole = row.whole()
         table = Table(row.TABLE, known, comment=" ".join((row.__doc__ or "").partition("\n\n")[0].split()))
         if not row.SHARED:
-            table.append_column(SqlColumn("robot", Text, primary_key=True, nullable=False, comment="whose it is"))
+            table.append_column(SqlColumn("robot", Text, primary_key=True, nullable=False, comment="its robot"))
         for name, column in columns(row).items():
             is_part = bool(whole) and name == row.KEY[0]
             table.append_column(_column(name, column, key=name in row.KEY, checked=not is_part))

@@ -18,7 +18,8 @@ _OLDER_GO = "DELETE FROM trial WHERE revision NOT IN (SELECT revision FROM trial
 
 
 class Trial(Row, frozen=True, kw_only=True):
-    """Changes of rows on trial (`lbr db apply --within`): the robot goes back unless all that they touch is ready in time. The newest row alone counts. Written by lbr."""
+    """Changes of rows on trial (`lbr db apply --within`), written by lbr. The robot goes back to the rows before, unless all
+    changed parts are ready in time. Only the newest row counts."""
 
     TABLE = "trial"
     KEY = ("revision",)
@@ -26,10 +27,10 @@ class Trial(Row, frozen=True, kw_only=True):
 
     revision: Annotated[int, "the last revision that is on trial"]
     back: Annotated[int, Meta(ge=0), "the revision to go back to"]
-    robot: Annotated[str, "whose executive judges"]
-    within_s: Annotated[float, Meta(gt=0, le=600), "how long it may take"]
-    state: Annotated[Literal["running", "kept", "back", "lost"], "what became of it"] = "running"
-    text: Annotated[str, "why, in one sentence"] = ""
+    robot: Annotated[str, "the robot whose executive judges"]
+    within_s: Annotated[float, Meta(gt=0, le=600), "the time limit"]
+    state: Annotated[Literal["running", "kept", "back", "lost"], "its result"] = "running"
+    text: Annotated[str, "the reason, in one sentence"] = ""
 
 
 def begin(connection: Connection, trial: Trial) -> None:

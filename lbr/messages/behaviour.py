@@ -32,13 +32,13 @@ class BehaviourTable(Row, frozen=True, kw_only=True):
     TABLE = "behaviour"
     KEY = ("name",)
 
-    name: Annotated[Name, "by which it is run"]
+    name: Annotated[Name, "its name in commands"]
     help: Annotated[str, "one line for people"] = ""
     max_s: Annotated[float, Meta(ge=0.0, le=86400.0), "longest run; 0: until its end or a stop"] = 600.0
 
 
 class BehaviourRow(Row, frozen=True, kw_only=True):
-    """The rows of a behaviour: of a state, the first whose conditions all hold is taken. A bad cell stops only its
+    """The rows of a behaviour. In a state, the first row whose conditions all hold is taken. A wrong cell stops only its
     behaviour.
     """
 
@@ -46,19 +46,19 @@ class BehaviourRow(Row, frozen=True, kw_only=True):
     KEY = ("behaviour", "step")
     PART_OF = "behaviour"
 
-    behaviour: Annotated[Name, "which behaviour it belongs to"]
+    behaviour: Annotated[Name, "its behaviour"]
     step: Annotated[StepNumber, "the order, from 1"]
     type: Annotated[
         RowType, "start: the first state; end, fail: good and bad ends; entry: done on entering; #: comment"
     ] = ""
-    state: Annotated[StateName, "the state that it is a row of"] = ""
+    state: Annotated[StateName, "its state"] = ""
     conditions: Annotated[dict[Heading, Cell], 'column to condition, such as {"Forward": "< 40"}'] = field(
         default_factory=dict
     )
     outputs: Annotated[dict[Heading, Cell], 'what is done, such as {"level": "0.2", "angle": "0"}'] = field(
         default_factory=dict
     )
-    next_state: Annotated[StateName, "where it leads"] = ""
+    next_state: Annotated[StateName, "the next state"] = ""
     deadline_s: (
         Annotated[
             float,

@@ -17,8 +17,8 @@ class CalibrationValue(Row, frozen=True, kw_only=True):
     KEY = ("device", "name")
     OF = "device"
 
-    device: Annotated[Name, "which device was measured"]
-    name: Annotated[Name, "what was measured, with its unit as a suffix"]
+    device: Annotated[Name, "the measured device"]
+    name: Annotated[Name, "the quantity, with its unit as a suffix"]
     value: Annotated[float, Meta(ge=-1e300, le=1e300), "the number"]
     measured_at: Annotated[str, NOW, "when"]
 

@@ -17,23 +17,23 @@ Text = Annotated[str, Meta(max_length=200)]
 
 
 class Motor(Row, frozen=True, kw_only=True):
-    """The servos as a face to the outside numbers, names and limits them, in the servos' own counts; in layers, of
-    which a face uses one. The limits of the joints hold for every layer."""
+    """Numbers, names and limits of servos for a face, such as an old phone app, in the servos' own counts. A face uses one
+    layer. The limits of the joints always hold, too."""
 
     TABLE = "motor"
     KEY = ("layer", "id")
     ASCENDING = (("lowest", "highest"),)
 
-    layer: Annotated[Name, "by which a face's settings know it"]
+    layer: Annotated[Name, "its name in a face's settings"]
     id: ServoId
     name: Annotated[Label, "for people"]
     description: Annotated[str, "for people"] = ""
     initial: Annotated[Counts, "a face's position before the first move"]
-    lowest: Annotated[Counts, "positions beyond are brought within"]
+    lowest: Annotated[Counts, "a position beyond becomes the limit"]
     highest: Annotated[Counts, "see lowest"]
-    rest: Annotated[Counts, "where it belongs"]
-    inverted: Annotated[bool, "percentages count from its highest position"] = False
-    builtin: Annotated[bool, "changed here only, not from the network"] = False
+    rest: Annotated[Counts, "its position at rest"]
+    inverted: Annotated[bool, "1: percentages count from its highest position"] = False
+    builtin: Annotated[bool, "1: only an edit of the database changes it, never the network"] = False
 
     @property
     def full_name(self) -> str:
@@ -42,17 +42,17 @@ class Motor(Row, frozen=True, kw_only=True):
 
 
 class Button(Row, frozen=True, kw_only=True):
-    """The motions as a face to the outside numbers and names them; several numbers may mean one motion."""
+    """Numbers and names of motions for a face, such as an old phone app. Several numbers may mean one motion."""
 
     TABLE = "button"
     KEY = ("id",)
     CHECKS = (motion_there,)
 
     id: Annotated[int, Meta(ge=0, le=9999), "the number"]
-    name: Annotated[Label, "the name there; of several alike, the lowest number's"]
+    name: Annotated[Label, "its name there; among equal names the lowest number counts"]
     button: Annotated[str, "the remote control's key"] = ""
     motion: Annotated[NameOrNone, "the motion; empty: only the controller is taken over"] = ""
-    builtin: Annotated[bool, "changed here only, not from the network"] = False
+    builtin: Annotated[bool, "1: only an edit of the database changes it, never the network"] = False
 
     @property
     def full_name(self) -> str:

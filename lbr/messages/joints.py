@@ -46,16 +46,16 @@ def _bus(row: "Joint", others: Others) -> Iterator[Fault]:
 
 
 class Joint(Row, frozen=True, kw_only=True):
-    """Humanoids: the joints. The servo is at `zero_rad + sign * joint angle`."""
+    """Humanoids: the joints. A servo's angle is `zero_rad + sign * joint angle`."""
 
     TABLE = "joint"
     KEY = ("name",)
     ASCENDING = (("lower_rad", "upper_rad"),)
     CHECKS = (_servo, _bus)
 
-    name: Annotated[Name, "by which motions know it"]
+    name: Annotated[Name, "its name in motions"]
     device_id: ServoId
-    side: Annotated[Literal["left", "right", "centre"], "which half of the body it belongs to"] = "centre"
+    side: Annotated[Literal["left", "right", "centre"], "its half of the body"] = "centre"
     sign: Annotated[Literal[1, -1], "-1: the servo turns against the joint"] = 1
     zero_rad: Annotated[JointRad, "the servo's angle where the joint is at 0"] = 0.0
     lower_rad: Annotated[JointRad, "limits of the joint's angle"]
@@ -113,21 +113,21 @@ def _lead(name: str, column: str, other: str, others: Others) -> Iterator[Fault]
 
 
 class MotionRow(Row, frozen=True, kw_only=True):
-    """Humanoids: the named motions. The robot's own controller keeps and plays one with a slot."""
+    """Humanoids: the named motions. The robot's own controller stores and plays a motion that has a slot."""
 
     TABLE = "motion"
     KEY = ("name",)
     TOGETHER = (("slot", "slot_s"),)
     CHECKS = (_lead_in, _lead_out)
 
-    name: Annotated[Name, "by which it is played"]
+    name: Annotated[Name, "its name in commands"]
     help: Annotated[str, "one line for people"] = ""
     lead_in: Annotated[NameOrNone, "the motion played once before it; empty: none"] = ""
     lead_out: Annotated[NameOrNone, "the motion played once after it, unless stopped; empty: none"] = ""
     slot: Annotated[Slot | None, "its number in the robot's own controller"] = None
-    slot_s: Annotated[SlotS | None, "how long the controller takes for it"] = None
-    limp: Annotated[bool, "the controller releases the joints at its end"] = False
-    builtin: Annotated[bool, "changed here only, not from the network"] = False
+    slot_s: Annotated[SlotS | None, "its duration there"] = None
+    limp: Annotated[bool, "1: the controller releases the joints at its end"] = False
+    builtin: Annotated[bool, "1: only an edit of the database changes it, never the network"] = False
 
     def refusal(self, before: Mapping[str, object] | None, parts: Sequence[Row]) -> tuple[str, Code] | None:
         """Return why a capability's edit may not write it: motions in the controller are entered at the robot."""
@@ -164,18 +164,18 @@ def _within(row: "MotionStep", others: Others) -> Iterator[Fault]:
 
 
 class MotionStep(Row, frozen=True, kw_only=True):
-    """Humanoids: the key frames of a motion, in order; of one in a slot, where it leads."""
+    """Humanoids: the key frames of a motion, in order. Those of a motion in a slot show where it leads."""
 
     TABLE = "motion_step"
     KEY = ("motion", "step")
     PART_OF = "motion"
     CHECKS = (_joints, _within)
 
-    motion: Annotated[Name, "which motion it belongs to"]
+    motion: Annotated[Name, "its motion"]
     step: Annotated[StepNumber, "the order, from 1"]
     duration_s: Annotated[DurationS, "from the step before"]
     positions: Annotated[dict[str, JointRad], "joint name to angle in radians; joints left out stay"]
-    stable: Annotated[bool, "it stands here; a stopped motion goes on to here"] = False
+    stable: Annotated[bool, "1: it stands here, and a stopped motion goes on to here"] = False
 
     @property
     def full_name(self) -> str:

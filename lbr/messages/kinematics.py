@@ -102,7 +102,7 @@ class Wheel(Row, frozen=True, kw_only=True):
     TABLE = "wheel"
     KEY = ("name",)
 
-    name: Annotated[Name, "by which people know it"]
+    name: Annotated[Name, "its name for people"]
     motor: Annotated[Name, "its motor, which may drive several"]
     x_m: Annotated[Place, "ahead of the middle of the base"] = 0.0
     y_m: Annotated[Place, "to the left of it"] = 0.0
@@ -135,19 +135,19 @@ def _wheels_fit(row: "Kinematics", others: Others) -> Iterator[Fault]:
 
 
 class Kinematics(Row, frozen=True, kw_only=True):
-    """The arrangement of the wheels of the base, which is one row; a robot without it has two driven wheels on the
-    motors left and right."""
+    """The arrangement of the base's wheels: one row. A robot without it has two driven wheels, on the motors `left` and
+    `right`."""
 
     TABLE = "kinematics"
     KEY = ("name",)
     CHECKS = (_one_base, _wheels_fit)
 
-    name: Annotated[Name, "the base's; a robot has one"]
+    name: Annotated[Name, "a name for the base"]
     kind: Annotated[BaseKind, "mecanum and omni move sideways"]
     track_factor: Annotated[
         float,
         Meta(ge=0.5, le=5.0),
-        "times the way of the wheels in a turn; above 1 where they slip",
+        "factor on the wheels' way in a turn; above 1 where they slip",
     ] = 1.0
 
 

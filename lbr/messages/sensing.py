@@ -129,8 +129,8 @@ Metres = Annotated[float, Meta(ge=-5.0, le=5.0)]
 
 
 class RangeSensor(Row, frozen=True, kw_only=True):
-    """Sensors of distance: where each one sits on the base, where it looks, how wide and how far. Axes are REP 103's: x
-    ahead, y left, from the middle between the wheels; angles are anticlockwise.
+    """Sensors of distance: the place of each on the base, its direction, width and reach. Axes are REP 103's: x ahead, y
+    left, from the middle between the wheels; angles are anticlockwise.
     """
 
     TABLE = "range_sensor"
@@ -138,22 +138,22 @@ class RangeSensor(Row, frozen=True, kw_only=True):
     ASCENDING = (("min_m", "max_m"),)
     CHECKS = (_level,)
 
-    name: Annotated[Name, "by which readings, scans and rules know it"]
-    kind: Annotated[RangeKind, "by what it measures"]
+    name: Annotated[Name, "its name in readings, scans and rules"]
+    kind: Annotated[RangeKind, "how it measures"]
     x_m: Annotated[Metres, "ahead of the middle between the wheels"] = 0.0
     y_m: Annotated[Metres, "to the left of it"] = 0.0
     z_m: Annotated[float, Meta(ge=0.0, le=5.0), "how far above the floor"] = 0.2
     yaw_rad: Annotated[float, Meta(ge=-7.0, le=7.0), "its direction: 0 ahead, 1.5708 left"] = 0.0
     pitch_rad: Annotated[float, Meta(ge=-2.0, le=2.0), "downwards; beyond 0.5 it sees no obstacles"] = 0.0
     fov_rad: Annotated[float, Meta(gt=0.0, le=6.2832), "its whole width; 6.2832: all around"] = 0.4
-    min_m: Annotated[float, Meta(ge=0.0, le=100.0), "what is nearer it cannot measure"] = 0.02
+    min_m: Annotated[float, Meta(ge=0.0, le=100.0), "it measures nothing nearer"] = 0.02
     max_m: Annotated[float, Meta(gt=0.0, le=100.0), "a number above this is a fault"] = 4.0
     rays: Annotated[int, Meta(ge=1, le=MOST_RAYS), "1: one distance; more: a scan of so many"] = 1
     stop_m: (
         Annotated[
             float,
             Meta(gt=0.0, le=10.0),
-            "the base stops so far before a sight; NULL: only by rules that name it",
+            "the base stops at this distance; NULL: only rules that name the sensor stop it",
         ]
         | None
     ) = 0.25

@@ -19,13 +19,13 @@ class Phrase(Row, frozen=True, kw_only=True):
     KEY = ("name", "language")
     SHARED = True
 
-    name: Annotated[Name, "by which programs know it"]
+    name: Annotated[Name, "its name in programs"]
     language: Annotated[
         str,
         Meta(pattern="^[a-z]{2}[a-z0-9-]{0,18}$(?!\\n)", extra={"shape": LANGUAGE}),
         "a language tag in small letters: en, de, pt-br",
     ]
-    text: Annotated[str, Meta(min_length=1, max_length=1000), "what is said"]
+    text: Annotated[str, Meta(min_length=1, max_length=1000), "the spoken text"]
 
 
 class SayCommand(Struct, frozen=True, kw_only=True):

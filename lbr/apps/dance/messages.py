@@ -14,8 +14,8 @@ class DanceStep(Row, frozen=True, kw_only=True):
     TABLE = "choreography"
     KEY = ("dance", "step")
 
-    dance: Annotated[Name, "by which settings and commands know it"]
-    step: Annotated[StepNumber, "the order, from 1, in a circle"]
+    dance: Annotated[Name, "its name in settings and commands"]
+    step: Annotated[StepNumber, "its place in the order, from 1; after the last comes the first"]
     power: Power
     angle_deg: AngleDeg
     beats: Annotated[int, Meta(ge=1, le=64), "for how many beats"] = 1

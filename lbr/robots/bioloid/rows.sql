@@ -1,6 +1,5 @@
 -- Bioloid: a humanoid of eighteen AX-12A servos, with a PhidgetSpatial under its front cover and a UPS PIco.
--- Its rows. `lbr db init`, its first `lbr run` or `lbr db add bioloid` takes them into robot.db, where they are what it is;
--- nothing is read from here any more.
+-- `lbr db init`, its first `lbr run` or `lbr db add bioloid` copies these rows into robot.db. Afterwards this file is not read again.
 
 INSERT INTO robot (name, model, description)
 VALUES ('bioloid', 'Bioloid Humanoid Type A', 'A humanoid of eighteen Dynamixel servos on a Raspberry Pi');
@@ -46,19 +45,19 @@ INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('bioloid', 'foxglove', 'foxglove', 0, '{"port": 8766}',
      'The robot for Foxglove: its streams, cameras, body and words, at ws://127.0.0.1:8766');
 
--- Off: it needs a gamepad at the robot's own computer, as for lbr. What a button plays goes on while the dead-man button is held.
+-- Off: it needs a gamepad at the robot's own computer, as for lbr. A motion goes on while the dead-man button is held.
 INSERT INTO capability (robot, name, kind, enabled, settings, needs, help) VALUES
     ('bioloid', 'teleop', 'gamepad_teleop', 0,
      '{"lines": {"start": "/torque/on", "dpad_up": "/play/walk_ahead", "dpad_down": "/play/walk_back",
                 "dpad_left": "/play/turn_left", "a": "/play/stand_up", "x": "/play/sit", "y": "/play/wave"}}', '["motions"]',
      'The hand on a gamepad: plays motions while its dead-man button is held; a button stops');
 
--- Off: nothing on the robot can be reached from other machines, as for lbr.
+-- Off: other machines cannot reach the robot, as for lbr.
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('bioloid', 'lan', 'lan', 0, '{"listen": ["tls/0.0.0.0:7447"]}',
      'The door to other machines: whoever has a token comes in');
 
--- Off: the robot comes without a loudspeaker. Once one is connected: `UPDATE capability SET enabled = 1 WHERE name = 'speech'`.
+-- Off: the robot has no loudspeaker. With one: `UPDATE capability SET enabled = 1 WHERE name = 'speech'`.
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('bioloid', 'speech', 'speech', 0, '{"device": "speaker"}',
      'The voice: says texts and phrases, and plays recordings');
@@ -102,10 +101,9 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('bioloid', 'teleop.say', 'executive.line', 1),
     ('bioloid', 'ros2.say', 'executive.line', 1);
 
--- Ids as on the robot's drawing. Signs and zeros follow published descriptions of the Type A; limits are what the
--- motions below use and some steps more. Confirm all of them on your robot, by hand and without torque.
--- Mirrored joints count alike: the same angles left and right are a symmetrical pose. At zero it stands upright,
--- arms down.
+-- Ids are those of the robot's drawing. Signs and zeros follow published descriptions of the Type A. Limits are the range
+-- of the motions below, and some steps more. Confirm all of them on your robot, by hand and without torque.
+-- Mirrored joints count alike: equal angles left and right make a symmetrical pose. At zero it stands upright, arms down.
 INSERT INTO joint (robot, name, device_id, side, sign, zero_rad, lower_rad, upper_rad, speed_rps) VALUES
     ('bioloid', 'right_shoulder_pitch', 1, 'right', 1, -1.5708, -0.860, 3.041, 3.0),
     ('bioloid', 'left_shoulder_pitch', 2, 'left', -1, 1.5708, -0.860, 3.041, 3.0),
@@ -126,9 +124,9 @@ INSERT INTO joint (robot, name, device_id, side, sign, zero_rad, lower_rad, uppe
     ('bioloid', 'right_ankle_roll', 17, 'right', 1, 0.0000, -0.256, 0.189, 3.0),
     ('bioloid', 'left_ankle_roll', 18, 'left', -1, 0.0000, -0.256, 0.189, 3.0);
 
--- Ours, found by experiment with the simulated body, which stands and walks by them. Nobody has tried
--- them on a robot yet: hang yours up first; its weight and its feet are others. Walking is a rhythm: slower than at
--- speed 0.7 it stumbles. It leaves out the arms, which stay where its lead-in has put them.
+-- These motions come from experiments with the simulated body, which stands and walks by them. Nobody has tried them on a
+-- robot yet: hang yours up first, because its weight and its feet differ. Walking is a rhythm: it stumbles below a speed of
+-- 0.7. Walking does not move the arms; the lead-in places them.
 INSERT INTO motion (robot, name, help, lead_in, lead_out) VALUES
     ('bioloid', 'initial', 'Stand upright, arms hanging a little away from the body', '', ''),
     ('bioloid', 'ready', 'Stand with knees bent and hands ahead, ready for anything', '', ''),
@@ -146,8 +144,8 @@ INSERT INTO motion (robot, name, help, lead_in, lead_out) VALUES
     ('bioloid', 'turn_left', 'Turn left on the spot: a step with each foot, 17 degrees; mirrored, to the right',
      'walk_ready', 'walk_ready');
 
--- In each of these the simulated body stays where it is when it is stopped there: on its feet (`lbr motion stable`), or, while it
--- gets up, on the ground or on hands and feet.
+-- Stopped in one of these frames, the simulated body does not fall: it is on its feet (`lbr motion stable`), or, while it gets up,
+-- on the ground or on hands and feet.
 INSERT INTO motion_step (robot, motion, step, duration_s, stable, positions) VALUES
     ('bioloid', 'initial', 1, 1.500, 1,
      '{"right_shoulder_pitch": 0.025, "left_shoulder_pitch": 0.025, "right_shoulder_roll": 0.445,

@@ -1,6 +1,5 @@
--- UXA-90: a humanoid of one metre, with a main board (UIC) that keeps motions, and 25 SAM servos behind it.
--- Its rows. `lbr db init`, its first `lbr run` or `lbr db add uxa90` takes them into robot.db, where they are what it is;
--- nothing is read from here any more.
+-- UXA-90: a humanoid of one metre, with a main board (UIC) that stores motions, and 25 SAM servos behind it.
+-- `lbr db init`, its first `lbr run` or `lbr db add uxa90` copies these rows into robot.db. Afterwards this file is not read again.
 
 INSERT INTO robot (name, model, description)
 VALUES ('uxa90', 'UXA-90 Light', 'A humanoid of one metre: twenty-five servos behind a main board that keeps motions');
@@ -53,19 +52,19 @@ INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('uxa90', 'foxglove', 'foxglove', 0, '{"port": 8767}',
      'The robot for Foxglove: its streams, cameras, body and words, at ws://127.0.0.1:8767');
 
--- Off: it needs a gamepad at the robot's own computer, as for lbr. What a button plays goes on while the dead-man button is held.
+-- Off: it needs a gamepad at the robot's own computer, as for lbr. A motion goes on while the dead-man button is held.
 INSERT INTO capability (robot, name, kind, enabled, settings, needs, help) VALUES
     ('uxa90', 'teleop', 'gamepad_teleop', 0,
      '{"lines": {"start": "/torque/on", "dpad_up": "/play/walk_forward_short", "dpad_left": "/play/turn_left",
                 "dpad_right": "/play/turn_right", "a": "/play/reset"}}', '["motions"]',
      'The hand on a gamepad: plays motions while its dead-man button is held; a button stops');
 
--- Off: nothing on the robot can be reached from other machines, as for lbr.
+-- Off: other machines cannot reach the robot, as for lbr.
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('uxa90', 'lan', 'lan', 0, '{"listen": ["tls/0.0.0.0:7447"]}',
      'The door to other machines: whoever has a token comes in');
 
--- Off: the robot comes without a loudspeaker. Once one is connected: `UPDATE capability SET enabled = 1 WHERE name = 'speech'`.
+-- Off: the robot has no loudspeaker. With one: `UPDATE capability SET enabled = 1 WHERE name = 'speech'`.
 INSERT INTO capability (robot, name, kind, enabled, settings, help) VALUES
     ('uxa90', 'speech', 'speech', 0, '{"device": "speaker"}',
      'The voice: says texts and phrases, and plays recordings');
@@ -119,11 +118,11 @@ INSERT INTO channel (robot, source, target, history) VALUES
     ('uxa90', 'teleop.say', 'executive.line', 1),
     ('uxa90', 'ros2.say', 'executive.line', 1);
 
--- A servo counts 0 to 254 over 269 degrees. Zeros are the factory's nominal ones, signs of legs come from published
--- kinematics, those of arms and head from what motions do; waist, hip yaw and hands are guesses. Limits are what motions
--- of the factory use and a little more, corrected where published tables have left and right swapped; none was measured.
--- Speeds are what the factory's motions ask for, head and neck somewhat more. Mirrored joints count alike: the same
--- angles left and right are a symmetrical pose. At zero it stands upright, arms down.
+-- A servo counts 0 to 254 over 269 degrees. Zeros are the factory's nominal ones. Signs of the legs come from published
+-- kinematics, those of arms and head from the motions; waist, hip yaw and hands are guesses. Limits are the range of the
+-- factory's motions and a little more, corrected where published tables swap left and right; none was measured. Speeds are
+-- those of the factory's motions, and somewhat more for head and neck. Mirrored joints count alike: equal angles left and
+-- right make a symmetrical pose. At zero it stands upright, arms down.
 INSERT INTO joint (robot, name, device_id, side, sign, zero_rad, lower_rad, upper_rad, speed_rps) VALUES
     ('uxa90', 'left_ankle_roll', 0, 'left', -1, 0.0000, -0.333, 0.407, 1.3),
     ('uxa90', 'right_ankle_roll', 1, 'right', 1, 0.0000, -0.333, 0.407, 1.3),
@@ -151,8 +150,8 @@ INSERT INTO joint (robot, name, device_id, side, sign, zero_rad, lower_rad, uppe
     ('uxa90', 'neck_yaw', 23, 'centre', -1, 0.0000, -2.348, 2.329, 4.1),
     ('uxa90', 'head_pitch', 24, 'centre', 1, 0.0000, -0.832, 0.925, 3.0);
 
--- What the main board plays by itself; the names that people know it by are rows of `button`. What is kept under a number
--- depends on what was downloaded to that robot: check it, also how long it takes. Key frames say where a motion leads.
+-- Motions that the main board plays by itself; rows of `button` have their names for people. Each robot may store another
+-- motion under a number: check yours, and its duration. Key frames show where a motion leads.
 INSERT INTO motion (robot, name, help, slot, slot_s, limp, builtin) VALUES
     ('uxa90', 'basic_motion', 'Take the walking stance', 1, 0.4, 0, 1),
     ('uxa90', 'kick_right', 'Kick with the right foot', 2, 11.1, 0, 1),
@@ -185,17 +184,17 @@ INSERT INTO motion_step (robot, motion, step, duration_s, stable, positions) VAL
       "left_elbow": 0, "right_elbow": 0, "left_hand": 0, "right_hand": 0, "waist_yaw": 0, "neck_yaw": 0,
       "head_pitch": 0}');
 
--- Walks and the kick end in the stance that they begin with. Stopped on its way, the robot goes straight there, if it may: in
--- simulation it falls less often than held at once. Check where yours end.
+-- Walks and the kick end in the stance that they begin with. After a stop on its way, the robot goes straight there, if it may:
+-- in simulation it then falls less often than a robot that is held at once. Check where yours end.
 INSERT INTO motion_step (robot, motion, step, duration_s, stable, positions)
 SELECT 'uxa90', motion.name, 1, motion.slot_s, 1, stance.positions
 FROM motion JOIN motion_step AS stance ON stance.robot = 'uxa90' AND stance.motion = 'basic_motion'
 WHERE motion.robot = 'uxa90' AND motion.name IN ('turn_left', 'walk_forward_short', 'turn_right', 'walk_left', 'walk_right',
                                                  'walk_forward_4step', 'walk_forward_6step', 'kick_right');
 
--- Ours, found by experiment with the simulated body; nobody has tried them on a robot. As it gets up, its arms are turned
--- so that the weak elbows cannot fold. In each of these frames the simulated body stays where it is when it is stopped there:
--- on the ground, on hands and feet, or on its feet.
+-- These motions come from experiments with the simulated body; nobody has tried them on a robot. As it gets up, its arms are
+-- turned so that the weak elbows cannot fold. Stopped in one of these frames, the simulated body does not fall: it is on the
+-- ground, on hands and feet, or on its feet.
 INSERT INTO motion (robot, name, help, lead_out) VALUES
     ('uxa90', 'get_up_face', 'Get up after a fall, lying on its face: hands ahead, up on hands and feet, upright', ''),
     ('uxa90', 'get_up_back', 'Get up after a fall, lying on its back: over its right side onto its face, and up', 'get_up_face'),
@@ -310,8 +309,8 @@ INSERT INTO motion_step (robot, motion, step, duration_s, stable, positions) VAL
       "right_shoulder_roll": 1.55, "left_elbow": 0, "right_elbow": 0, "left_shoulder_yaw": 0, "right_shoulder_yaw": 0,
       "left_hip_roll": 0, "right_hip_roll": 0}');
 
--- Three tables of the servos. `api`: as phones and scripts have known them, with all that is wrong in it (knees and left
--- shoulder are those of the other side). `factory`: what the factory's motions use. `safe`: what the joints allow.
+-- Three layers of the servos. `api`: the old table of phones and scripts, with its errors (knees and left shoulder are those
+-- of the other side). `factory`: the range of the factory's motions. `safe`: the limits of the joints.
 INSERT INTO motor (robot, layer, id, name, description, initial, lowest, highest, rest, inverted, builtin) VALUES
     ('uxa90', 'api', 0, 'left-foot', 'foot tilt in/out', 127, 115, 140, 127, 1, 1),
     ('uxa90', 'api', 1, 'right-foot', 'foot tilt in/out', 127, 110, 140, 127, 0, 1),
@@ -387,7 +386,7 @@ INSERT INTO motor (robot, layer, id, name, description, initial, lowest, highest
     ('uxa90', 'safe', 23, 'neck-yaw', '', 127, 1, 254, 127, 0, 1),
     ('uxa90', 'safe', 24, 'head-pitch', '', 127, 82, 177, 127, 0, 1);
 
--- The numbers and names by which phones and scripts know the motions.
+-- The motions' numbers and names for phones and scripts.
 INSERT INTO button (robot, id, name, button, motion, builtin) VALUES
     ('uxa90', 1, 'basic_motion', 'A', 'basic_motion', 1),
     ('uxa90', 2, 'kick_right', 'B', 'kick_right', 1),
@@ -405,7 +404,7 @@ INSERT INTO button (robot, id, name, button, motion, builtin) VALUES
     ('uxa90', 21, 'sit_down', '0', 'sit_down', 1),
     ('uxa90', 99, 'pc_control', '', '', 1);
 
--- Most of its words come with the kinds of its capabilities; a row of the same pattern takes the place of one.
+-- The kinds of its capabilities bring most of its words; a row with the same pattern replaces one.
 INSERT INTO verb (robot, word, pattern, target, payload, role, help) VALUES
     ('uxa90', 'camera', '/camera/on', 'camera_head.switch', '{"on": true}', 'operate',
      'Switch the camera in the head on'),
