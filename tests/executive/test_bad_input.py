@@ -1,14 +1,17 @@
-"""Rubbish on every key and line of a running robot: answered in one sentence, nothing dies, nothing moves."""
+"""Rubbish on every key and line of a running robot, and clients without a password: nothing dies, nothing moves."""
 
 import json
 import random
 import sqlite3
 import string
+import sys
 import time
+from subprocess import PIPE, Popen
 
 import pytest
 
-from lbr.bus import stamp, wire
+from lbr.bus import session, stamp, wire
+from lbr.bus.access import TOOLS, Credentials
 from tests.support.robot import Robot, lbr, running
 from tests.support.waiting import until
 
@@ -73,7 +76,7 @@ def outputs(robot: Robot) -> list[str]:
 
 def test_rubbish_on_every_key_kills_nothing_and_moves_nothing(robot):
     dice = random.Random(20)
-    before, moved = pids(robot), outputs(robot)
+    before, moved, asked = pids(robot), outputs(robot), []
     for round_ in range(1200):
         key = f"{robot.name}/{dice.choice(KEYS)}"
         payload = rubbish(dice)
@@ -83,7 +86,11 @@ def test_rubbish_on_every_key_kills_nothing_and_moves_nothing(robot):
         if round_ % 2:
             robot.bus.put(key, payload, attachment=attachment)
         else:
-            list(robot.bus.get(key, payload=payload, attachment=attachment, timeout=2.0))
+            asked.append(robot.bus.get(key, payload=payload, attachment=attachment))
+        if round_ % 100 == 99:
+            for answers in asked:
+                list(answers)
+            asked.clear()
     assert robot.status()["ready"]
     assert pids(robot) == before
     assert outputs(robot) == moved
@@ -315,3 +322,66 @@ def test_a_press_during_a_reset_leaves_nobody_behind(robot):
             )
         )
     until(lambda: robot.ask("@estop/reset", {})["accepted"])
+
+
+STREAMS = ("drive/state", "motors/state", "ranges/readings")
+WILDCARDS = ("*/*", "*/state", "drive/*", "dr$*/state", "**", "*/readings", "motors/sta$*")
+
+
+@pytest.fixture
+def stranger(robot):
+    with session.open_client(robot.endpoints) as bus:
+        yield bus
+
+
+@pytest.fixture
+def inside(robot):
+    """A session behind the rights."""
+    record = json.loads((robot.home / "run" / "lbr.json").read_text())
+    with session.open_client([record["core"]], Credentials(user=TOOLS, password=record["password"])) as bus:
+        yield bus
+
+
+def test_no_wildcard_carries_a_forged_stream_past_the_rights(inside, stranger):
+    feeds = [wire.Subscription(inside, f"lbr/{key}", depth=256) for key in (*STREAMS, "drive/stop")]
+    heard = []
+
+    def said(what):
+        stranger.put("lbr/drive/stop", json.dumps({"said": what}))
+        heard.extend(raw.payload for feed in feeds for raw in feed.take())
+        return any(what.encode() in payload for payload in heard)
+
+    until(lambda: said("first"), what="what may be put arrives")
+    for key in (*STREAMS, *WILDCARDS):
+        stranger.put(f"lbr/{key}", json.dumps({"forged": key}))
+    until(lambda: said("last"), what="what was put last")
+    assert not [payload for payload in heard if b"forged" in payload]
+
+
+def test_commands_can_be_put_without_a_password(inside, stranger):
+    taken = wire.Subscription(inside, "lbr/drive/command", depth=8)
+    until(lambda: stranger.put("lbr/drive/command", '{"power": 0}') or taken.take(), what="the command")
+
+
+def test_a_press_in_the_executives_name_is_a_press(robot, stranger):
+    press = {"engaged": True, "reason": "in its name"}
+    robot.put("@estop", {"engaged": True, "reason": "the first"})
+    until(lambda: robot.status()["estop"]["acknowledged"], what="the first is acknowledged")
+    until(lambda: robot.line("reset")["code"] == 0, what="the reset")
+    wire.put(stranger, "lbr/@estop", press, source="executive", urgent=True)
+    until(lambda: robot.status()["estop"]["reason"] == "in its name", what="it is latched")
+    until(lambda: robot.line("reset")["code"] == 0, what="the second reset")
+
+
+@pytest.mark.parametrize("key", ["lbr/**", "lbr/*/*"])
+def test_a_client_that_asks_more_than_it_listens_to_holds_up_no_stop(robot, inside, key):
+    command = [sys.executable, "-m", "tests.support.clients.asker", robot.endpoints[0], key]
+    with Popen(command, stdout=PIPE) as asker:
+        try:
+            assert asker.stdout.readline() == b"asking\n"
+            end = time.monotonic() + 3.0
+            while time.monotonic() < end:
+                answers = wire.ask_all(inside, ["lbr/drive/stop"], b"{}", source="test", timeout_s=3.0)
+                assert answers, "a stop was not answered"
+        finally:
+            asker.kill()

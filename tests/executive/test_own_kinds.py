@@ -1,15 +1,21 @@
-"""A file of the user's own that breaks, hangs or exits while the robot runs: one sentence, and the robot goes on."""
+"""A file of the user's own while the robot runs: one that breaks, hangs or exits, and one that brings a table."""
 
 import json
 import os
+import shutil
 import signal
+import sqlite3
 import time
+from contextlib import closing
+from pathlib import Path
 
 import pytest
 
+from tests.support import commands, databases
 from tests.support.robot import lbr, running
 from tests.support.waiting import until
 
+EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 GOOD = """
 from msgspec import Struct
 from lbr.capability import Capability, Kind
@@ -148,3 +154,45 @@ def test_what_publishes_another_type_than_it_declares_is_told_in_one_sentence(ro
         return any(words in unit["reason"] for unit in robot.status()["capabilities"] if unit["name"] == "greeter")
 
     until(told, what="it is told")
+
+
+def sql(robot, script):
+    with closing(sqlite3.connect(robot.home / "robot.db", timeout=5.0)) as database:
+        database.executescript(script)
+
+
+def said(robot):
+    return dict(databases.asked(robot.home / "robot.db", "SELECT name, said FROM greeting"))
+
+
+def greet(robot, name):
+    reply = robot.ask("greetings/greet", {"name": name})
+    return str(reply["reason"]) if reply else ""
+
+
+def test_a_kind_brings_its_table_reads_it_and_writes_back_what_it_learns(robot, monkeypatch):
+    monkeypatch.setenv("LBR_HOME", str(robot.home))
+    folder = robot.home / "capabilities"
+    kind = "INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'early', 'greetings')"
+    shutil.copy(EXAMPLES / "greetings.py", folder)
+    (folder / "greetings.py").chmod(0o600)
+    sql(robot, kind)
+    missing = "'greetings' reads the table 'greeting', which is not there, or has not the triggers"
+    until(lambda: any(missing in problem for problem in robot.status()["problems"]), what="the table is missed")
+    sql(robot, "DELETE FROM capability WHERE name = 'early'")
+    sql(robot, commands.db("table", "greetings").stdout + (EXAMPLES / "greetings.sql").read_text())
+    until(lambda: greet(robot, "ann") == "Good day, Ann.", what="it greets by its rows")
+    assert "there is no row of 'greeting' for eve" in greet(robot, "eve")
+    pid = until(lambda: robot.capability("greetings")["pid"])
+    until(lambda: said(robot) == {"ann": 1, "bob": 0}, what="what it learnt is written")
+    assert greet(robot, "ann") == "Good day, Ann."
+    until(lambda: said(robot) == {"ann": 2, "bob": 0}, what="a row that it had is changed")
+    ((newest,),) = databases.asked(robot.home / "robot.db", "SELECT max(id) FROM revision")
+    until(lambda: robot.status()["revision"] == newest, what="the rows were read again")
+    assert robot.capability("greetings")["pid"] == pid
+    sql(robot, "PRAGMA ignore_check_constraints = ON; UPDATE greeting SET text = '' WHERE name = 'bob'")
+    why = "greeting 'lbr/bob', text: is empty"
+    until(lambda: why in robot.status()["problems"], what="a bad row is named")
+    assert greet(robot, "bob") == "Hello Bob!"
+    sql(robot, "UPDATE greeting SET text = 'Hi, Bob.' WHERE name = 'bob'")
+    until(lambda: greet(robot, "bob") == "Hi, Bob.", what="a good edit is in force")

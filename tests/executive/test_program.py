@@ -10,6 +10,7 @@ from pathlib import Path
 import psutil
 import pytest
 
+from lbr.executive.processes import scheduling
 from tests.support.waiting import until
 
 SHELL = "import os, time, json; print(json.dumps({k: v for k, v in os.environ.items() if k[:4] == 'LBR_'}), flush=True); time.sleep(60)"
@@ -36,6 +37,18 @@ def test_a_program_that_does_not_start_is_reported_with_what_is_wrong(robot, tmp
     until(lambda: any((unit["name"], unit["phase"]) == (name, "failed") for unit in robot.status()["capabilities"]))
     assert said in robot.capability(name)["reason"]
     assert str(program) in (robot.home / "logs" / f"lbr-{name}.log").read_text()
+
+
+def test_movers_and_drivers_outrank_a_program(robot):
+    nice = {unit["name"]: unit["nice"] for unit in robot.status()["capabilities"]}
+    if os.geteuid() == 0:
+        assert nice["motors"] == nice["drive"] == nice["ranges"] == nice["world"] == scheduling.MOTION
+        assert os.getpriority(os.PRIO_PROCESS, robot.popen.pid) == scheduling.MOTION
+    threads = Path(f"/proc/{robot.capability('motors')['pid']}/task")
+    assert {os.getpriority(os.PRIO_PROCESS, int(task.name)) for task in threads.iterdir()} == {nice["motors"]}
+    settings = '{"argv": ["/bin/sleep", "60"]}'
+    robot.edit("INSERT INTO capability (robot, name, kind, settings) VALUES ('lbr', 'nap', 'exec', ?)", settings)
+    until(lambda: robot.capability("nap").get("nice") == scheduling.BACKGROUND)
 
 
 def test_a_program_learns_its_wiring_restarts_and_dies_with_the_executive(robot):
