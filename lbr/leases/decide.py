@@ -18,10 +18,9 @@ STOPPED = Reply(message=CommandReply(accepted=True, reason="stopped"))
 
 def refuse(ask: Ask[M], why: Reason) -> tuple[LeaseTable[M], Reply]:
     """Refuse a command, and remember a sender that goes on without permission."""
-    leases, request = ask.leases, ask.request
-    if request.moves and (how := _persists(ask)):
-        leases = note_persistent(leases, request.source, how, ask.now)
-    return leases, Reply(message=refused(why), late=bool(request.lease))
+    how = _persists(ask) if ask.request.moves else ""
+    leases = note_persistent(ask, how) if how else ask.leases
+    return leases, Reply(message=refused(why), late=bool(ask.request.lease))
 
 
 def renew(ask: Ask[M]) -> LeaseTable[M]:
@@ -135,7 +134,7 @@ def _persists(ask: Ask[M]) -> str:
         return "commands went on through the emergency stop"
     if ask.streams:
         return "commands went on without quoting their lease"
-    return persists(leases, ask.request.source, ask.now)
+    return persists(ask)
 
 
 def _keep(leases: LeaseTable[M], lease: Lease[M], now: float) -> LeaseTable[M]:

@@ -1,6 +1,6 @@
 """The checks of a command by the rules of leases. The first that fails refuses it."""
 
-from math import isfinite
+from math import inf, isfinite
 
 from msgspec.structs import replace
 
@@ -14,6 +14,7 @@ STOP_CAME = Reason("stopped", "a stop came after this command")
 NOT_KNOWN = "it is not known here; ask for a new one without quoting a lease"
 FORGOTTEN = "it is not known any more, as after a restart of what carries it out"
 PERSISTENT_S = 0.25
+FORGOTTEN_S = 1.0  # after the pause; longer than any command that moves something is under way
 MOST_PERSISTENT = 64
 EVERYBODY = ""
 ASK_FIRST = Reason(
@@ -63,7 +64,7 @@ def at_rest(ask: Ask[M], trouble: Reason | None = None) -> Reason | None:
         return latched(ask.leases)
     if trouble:
         return trouble
-    how = persists(ask.leases, ask.request.source, ask.now)
+    how = persists(ask)
     return Reason("rest_first", f"{how}: {ask.leases.phrasing.rest}") if how else None
 
 
@@ -130,21 +131,21 @@ def _order(ask: Ask[M], lease: Lease[M]) -> Reason | None:
     return None if ask.sent > newest else TWICE
 
 
-def persists(leases: LeaseTable[M], source: str, now: float) -> str:
-    """Return how a source has been sending motion without permission, until just now; or an empty text."""
-    found = leases.persistent.get(source) or leases.persistent.get(EVERYBODY)
-    return "" if found is None or now >= found.until else found.how
+def persists(ask: Ask[M]) -> str:
+    """Return how a source sent motion without permission, a pause or less before it sent this; or an empty text."""
+    found = ask.leases.persistent.get(ask.request.source) or ask.leases.persistent.get(EVERYBODY)
+    return "" if found is None or min(ask.now, ask.sent) >= found.until else found.how  # NaN means now
 
 
-def note_persistent(leases: LeaseTable[M], source: str, how: str, now: float) -> LeaseTable[M]:
+def note_persistent(ask: Ask[M], how: str) -> LeaseTable[M]:
     """Note a source that goes on sending, so that it moves nothing when its obstacle disappears by itself."""
-    recent = {name: found for name, found in leases.persistent.items() if not now >= found.until}
+    leases, source = ask.leases, ask.request.source
+    recent = {name: noted for name, noted in leases.persistent.items() if not ask.now >= noted.until + FORGOTTEN_S}
     known = source if source in recent or len(recent) < MOST_PERSISTENT else EVERYBODY
-    return replace(leases, persistent={**recent, known: PersistentSender(until=now + PERSISTENT_S, how=how)})
+    until = max(min(ask.now, ask.sent) + PERSISTENT_S, recent[known].until if known in recent else -inf)
+    return replace(leases, persistent={**recent, known: PersistentSender(until=until, how=how)})
 
 
 def forget_persistent(leases: LeaseTable[M], source: str) -> LeaseTable[M]:
     """Note a source's report that it has come to rest."""
-    if source not in leases.persistent:
-        return leases
     return replace(leases, persistent={name: found for name, found in leases.persistent.items() if name != source})

@@ -99,7 +99,7 @@ byte h_said, h_since, h_offs;          /* when that was said; since when the lea
 bit o_made, o_tk;                      /* the offer to the client on another machine */
 byte o_age, o_offs;
 byte k_stop = NEVER, k_begun = NEVER;  /* what was sent before these begins nothing */
-byte k_insists[2];
+byte k_insists[2];                     /* LATE more than the ticks that the sender has yet to pause: see PAUSES */
 bit k_latched, k_armed, k_wheels, k_told;
 bit g_h_pre, g_h_old, g_h_lapsed;
 byte g_word, g_insists[2];
@@ -136,6 +136,9 @@ byte r_age;                            /* the setpoint that comes in at the driv
 #define MIN(a, b) ((a) < (b) -> (a) : (b))
 #define OLDER(age, most) age = ((age) < (most) -> (age) + 1 : (most))
 #define YOUNGER(age) age = ((age) > 0 -> (age) - 1 : 0)
+/* Whether the sender has paused, counted from what it sent to what it sends: a message astray was sent earlier. */
+#define PAUSES(insists, date) (insists[c_src] + (date) <= LATE)
+#define INSISTS(insists, date) insists[c_src] = (insists[c_src] + (date) > LATE + INSIST -> insists[c_src] : LATE + INSIST - (date))
 #define AFAR(client) (REMOTE && (client) == 1)
 
 /* ---- the drive ---- */
@@ -204,7 +207,7 @@ inline end_all(keep) {
   (c_lease == HELD -> (AFAR(c_src) && c_src != h_src && c_mv -> 0 : !c_mv || bug == B_REPLAY || c_date < NEWEST) : \
   (h_held && ((!c_tk && !(c_lease == OFFERED && o_tk) && bug != B_NO_HOLDER) || STREAMS) -> 0 : \
   (k_latched || c_date < k_stop) && (bug == B_REPLAY || c_date < k_begun))))
-#define AT_REST (!c_mv || (!k_latched && k_armed && k_insists[c_src] == 0))
+#define AT_REST (!c_mv || (!k_latched && k_armed && PAUSES(k_insists, c_date)))
 
 /* when a message was sent at the latest, as far as the drive can tell; a stop from afar counts from when it came */
 inline date_it() {
@@ -239,7 +242,7 @@ inline accept() {
   if
   :: c_mv && (c_lease != NONE || !AFAR(c_src)) ->
      MUST(2, !g_c_gone && !(c_lease == HELD && g_h_lapsed));
-     MUST(7, g_insists[c_src] == 0);
+     MUST(7, PAUSES(g_insists, c_age));
      MUST(8, !g_c_done)
   :: else
   fi;
@@ -261,10 +264,10 @@ inline accept() {
 
 inline refuse() {
   if
-  :: c_mv && ((k_latched && c_date <= k_stop) || STREAMS || k_insists[c_src] > 0) && INSISTING && bug != B_INSISTING -> k_insists[c_src] = INSIST
+  :: c_mv && ((k_latched && c_date <= k_stop) || STREAMS || !PAUSES(k_insists, c_date)) && INSISTING && bug != B_INSISTING -> INSISTS(k_insists, c_date)
   :: else
   fi;
-  if :: c_mv && ((k_latched && c_age <= k_stop) || g_insists[c_src] > 0) -> g_insists[c_src] = INSIST :: else fi
+  if :: c_mv && ((k_latched && c_age <= k_stop) || !PAUSES(g_insists, c_age)) -> INSISTS(g_insists, c_age) :: else fi
 }
 
 inline command() {
@@ -394,8 +397,13 @@ inline begin_driver() {
  * Not so where the date of a message depends on how quick others were. */
 #define ORDER(age, matters) age = ((age) == 0 || (REMOTE && m_used && m_src) -> (age) : (m_used && (matters) && m_age >= (age) -> m_age : NEVER))
 
+/* A pause that is over for what is sent now: it only says whether the message astray was sent in it. */
+#define STILL(insists, client) insists[client] = (insists[client] > LATE || AFAR(client) -> insists[client] : \
+  (m_used && m_mv && m_src == client && insists[client] + m_age > LATE -> LATE : 0))
+
 inline forget_what_makes_no_difference() {
   ORDER(k_stop, true); ORDER(k_begun, true);
+  STILL(k_insists, 0); STILL(k_insists, 1); STILL(g_insists, 0); STILL(g_insists, 1);
   if :: h_held && !(REMOTE && h_src) -> ORDER(h_said, m_lease == HELD) :: else fi;
   if :: d_since > 0 && (!s_used || s_age < d_since) -> d_since = VALID :: else fi;
   if :: !(g_m_pre || g_h_pre || g_s_pre || g_d_pre) -> g_rested = 0; g_what = 0 :: else fi;

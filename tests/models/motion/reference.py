@@ -227,7 +227,7 @@ class Reference:
             return True
         verdict = self._verdict(message, arrived, now, checked)
         if verdict is False:
-            self._note_insisting(message, now)
+            self._note_insisting(message, arrived, now)
         elif verdict is True:
             self._accept(message, arrived, now, name)
         return verdict
@@ -237,7 +237,7 @@ class Reference:
         if accepted:
             self._accept(message, arrived, now, name)
         else:
-            self._note_insisting(message, now)
+            self._note_insisting(message, arrived, now)
 
     def _quoted(self, name: str) -> Lease | None:
         known = [lease for lease in [self.hold, *self.offers] if lease is not None and lease.name == name]
@@ -268,7 +268,7 @@ class Reference:
             return False
         if not moves:
             return True
-        if self.estop or not self.armed(now) or not now >= self.insisting.get(message.source, -inf):
+        if self.estop or not self.armed(now) or self._insists(message, arrived, now):
             return False
         hold = self.hold
         if hold is not None and message.lease == hold.name and message.what == hold.message.what:
@@ -308,13 +308,18 @@ class Reference:
         blind = message.heading_deg is not None and isnan(self.attitude.heading_deg)
         return self.attitude.known(now) and not blind
 
-    def _note_insisting(self, message: Message, now: float) -> None:
+    def _insists(self, message: Message, arrived: float, now: float) -> bool:
+        """Say whether its source sent this without a pause after what was refused."""
+        return min(now, self._dated(message, arrived)) < self.insisting.get(message.source, -inf)  # NaN means now
+
+    def _note_insisting(self, message: Message, arrived: float, now: float) -> None:
         if not message.moves:
             return
         hold, source = self.hold, message.source
         streams = hold is not None and self._streams(hold, message)
-        if self.estop or streams or not now >= self.insisting.get(source, -inf):
-            self.insisting[source] = now + PAUSE_S
+        if self.estop or streams or self._insists(message, arrived, now):
+            until = min(now, self._dated(message, arrived)) + PAUSE_S
+            self.insisting[source] = max(until, self.insisting.get(source, -inf))
 
     def _streams(self, hold: Lease, message: Message) -> bool:
         return hold.message.source == message.source and hold.renewed is None and not message.lease

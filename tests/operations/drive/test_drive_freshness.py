@@ -118,6 +118,20 @@ def test_a_stream_that_never_quotes_its_lease_stops_and_stays_so(bench):
     assert bench.drive(0.5).accepted
 
 
+def test_a_drive_that_is_held_up_does_not_take_its_own_delay_for_a_pause(bench):
+    bench.estop(True)
+    bench.run(0.1)
+    assert bench.drive(0.5).code == "estop"
+    waiting = [bench.now + 0.1 * number for number in range(1, 5)]
+    bench.run(0.45)
+    bench.estop(False)
+    assert not any(bench.drive(0.5, sent=sent).accepted for sent in waiting)
+    bench.run(0.1)
+    assert bench.drive(0.5).code == "rest_first"
+    bench.run(0.3)
+    assert bench.drive(0.5).accepted
+
+
 def test_a_stream_does_not_go_on_by_taking_over_from_itself(bench):
     bench.run(1.0, lambda: bench.drive(0.5, take_over=True))
     assert (bench.replies[-1].code, "quoting" in bench.replies[-1].reason) == ("rest_first", True)
