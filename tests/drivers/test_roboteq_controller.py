@@ -27,8 +27,8 @@ def repeat(times, action):
 def bring_up(peer):
     opened = []
 
-    def build(more=""):
-        settings = KIND.parse(MIRRORED + more + "}")
+    def build(more="", wheels=MIRRORED):
+        settings = KIND.parse(wheels + more + "}")
         line = open_line(Device("motors", "roboteq", str(peer.path), {}, peer), settings.baud)
         opened.append(line)
         return Controller(line, settings, peer.clock)
@@ -111,9 +111,7 @@ def test_trim_and_limit_hold_for_each_wheel(power, wheel, value):
 
 
 def test_swapped_channels_swap_wire_and_telemetry(bring_up, peer):
-    controller = bring_up(', "model": "2130"')
-    swapped = KIND.parse('{"device": "motors", "left": {"channel": 2}, "right": {"channel": 1}}')
-    controller = Controller(controller._line, swapped, time.monotonic)
+    controller = bring_up(wheels='{"device": "motors", "left": {"channel": 2}, "right": {"channel": 1}')
     controller.open()
     controller.drive(0.1, 0.3)
     assert peer.motor_commands()[-1] == "!M 300 100"

@@ -24,6 +24,7 @@ from lbr.testing.driver import (
     says_that_its_device_is_silent,
     says_what_it_reads,
 )
+from tests.support.waiting import HANG_S
 
 SERVOS = tuple(Joint(name=f"joint_{n}", device_id=n, lower_rad=-2.0, upper_rad=2.0, speed_rps=3.0) for n in range(1, 4))
 LIDAR = RangeSensor(name="lidar", kind="lidar", fov_rad=6.2832, min_m=0.02, max_m=12.0, rays=360)
@@ -125,8 +126,8 @@ class Once(Blind):
 )
 def test_a_driver_that_is_wrong_is_found_out(entry, check, error, tmp_path, monkeypatch):
     monkeypatch.setattr("lbr.testing.driver.BAD_LINE_S", 0.05)
-    if check is not may_be_killed:  # a process takes its time to start
-        monkeypatch.setattr("lbr.testing.driver.WITHIN_S", 0.2)
+    in_a_process = check is may_be_killed  # which takes its time to start
+    monkeypatch.setattr("lbr.testing.driver.WITHIN_S", HANG_S if in_a_process else 0.2)
     kind = Kind(
         name="wrong", summary="-", family="driver", entry=entry, settings=Row, outputs={"value": Value}, moves=True
     )
