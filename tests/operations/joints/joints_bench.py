@@ -130,6 +130,8 @@ class Bench:
         self.servos = Servos()
         self.now = START
         self.said = []
+        self.results = []
+        self.events = []
         self.setpoint = None
         self.restart()
 
@@ -147,6 +149,9 @@ class Bench:
                 self.servos.obey(output.message)
             elif isinstance(output, Result):
                 assert output.message.code in MEANINGS, output
+                self.results.append(output.message)
+            elif isinstance(output, Happened):
+                self.events.append(output)
         return outputs
 
     def hear(self):
@@ -221,14 +226,6 @@ class Bench:
 
     def push(self, name, joint_rad):
         self.servos.at[BODY.joints[name].device_id] = BODY.servo_rad(name, joint_rad)
-
-    @property
-    def results(self):
-        return [output.message for output in self.said if isinstance(output, Result)]
-
-    @property
-    def events(self):
-        return [output for output in self.said if isinstance(output, Happened)]
 
 
 def frame(duration_s=0.5, **positions):

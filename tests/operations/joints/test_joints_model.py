@@ -66,9 +66,9 @@ class Motion(RuleBasedStateMachine):
         joint = BODY.joints[name]
         if goal.position_rad is None:
             return
-        position = BODY.joint_rad(name, goal.position_rad)
-        assert BODY.beyond_rad(name, position) <= self.outside.get(name, 0.0) + 1e-9
-        if not BODY.beyond_rad(name, position) and not BODY.beyond_rad(name, self.bench.measured(name)):
+        beyond = BODY.beyond_rad(name, BODY.joint_rad(name, goal.position_rad))
+        assert beyond <= self.outside.get(name, 0.0) + 1e-9
+        if not beyond and name in self.outside and not BODY.beyond_rad(name, self.bench.measured(name)):
             self.outside.pop(name, None)  # it is back; until then its next motion begins where it is
         assert goal.speed_rps <= joint.speed_rps
         began = before is None or before.torque == 0.0 or before.position_rad is None
