@@ -478,13 +478,16 @@ def driving(chain):
 
 
 def test_when_the_driver_hangs_its_guard_holds_the_servos_then_lets_them_go(chain, driving):
-    process = driving(0.5)  # a busy machine may take as long from a guard
+    process = driving(0.1)
     chain.log.clear()
     process.send_signal(signal.SIGSTOP)
-    until(lambda: all(servo.goal == 540 for servo in chain.servos.values()))
-    assert all(servo.torque for servo in chain.servos.values())
     until(lambda: not any(servo.torque for servo in chain.servos.values()))
     assert process.wait(5.0) == -signal.SIGKILL
+    assert [servo.goal for servo in chain.servos.values()] == [540, 540, 540]
+    held, faded, let_go = (
+        chain.log.index(chain.writes(address)[which]) for address, which in ((30, -1), (34, 0), (24, 0))
+    )
+    assert held < faded < let_go
     limits = [int.from_bytes(request[8:10], "little") for request in chain.writes(34)]
     assert limits == sorted(limits, reverse=True)
     assert len(limits) > 2
