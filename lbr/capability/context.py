@@ -182,10 +182,7 @@ class Context(Protocol[S_co]):
         """Have learnt rows stored; `rows` has them at once, and the capability is not restarted for them."""
 
     def adopt(self, rows: Iterable[Row]) -> None:
-        """Use the rows of an accepted edit, as far as the kind reads them: `rows` has them at once.
-
-        The executive relies on it, and does not restart this capability for them.
-        """
+        """Use the rows of an accepted edit, for which the executive does not restart this capability."""
 
     def ready(self, reason: str = "") -> None:
         """Report that this capability works; the runtime does so after the first `step`, unless that has warned."""

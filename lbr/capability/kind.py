@@ -44,11 +44,13 @@ class Rows:
     """The rows of a table that a kind reads: all of the robot's, or those `where` a column equals a setting.
 
     An empty column matches every setting. An empty setting matches every column. `learnt` rows may be written back.
+    `edits` are those that the kind receives by its command `rows`; of rows with secrets, removals at most.
     """
 
     row: type[Row]
     where: Mapping[str, str] = field(default_factory=dict)
     learnt: bool = False
+    edits: Literal["all", "removals", "none"] = "all"
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,8 +154,7 @@ class Kind:
     unfed. `wires` are the inputs and requests that need no channel row. `words` are added to the console of every robot
     with a capability of this kind. `says` names its setting with console lines, each of which its robot must know.
     `moves` marks a path to a motor. Such a kind gets the emergency stop on a session of its own. It is stopped first.
-    `rows` are the tables whose rows it gets. A kind with a command `rows` (`RowsChanged`) receives edits by it, and is
-    restarted only if it refuses.
+    `rows` are the tables whose rows it gets. It is restarted for edits, unless it receives them by a command `rows`.
     """
 
     name: str
@@ -197,10 +198,12 @@ class Kind:
         """Return the tables whose rows it may write back."""
         return tuple(one.row for one in self.reads if one.learnt)
 
-    @property
-    def follows(self) -> bool:
-        """Return whether it receives edits of its rows, and is not restarted for them."""
-        return self.messages.get("rows") is RowsChanged
+    def follows(self, edit: RowsChanged) -> bool:
+        """Return whether it receives an edit of its rows, and is not restarted for it."""
+        received = {one.row.TABLE: one.edits for one in self.reads}
+        return self.messages.get("rows") is RowsChanged and all(
+            received[table] in ({"all", "removals"} if rows == "[]" else {"all"}) for table, rows in edit.rows.items()
+        )
 
     def command(self, name: str) -> Command:
         """Return a command with its properties."""

@@ -29,8 +29,9 @@ from lbr.errors import MalformedError
 from lbr.messages.camera import JpegFrame
 from lbr.messages.codes import Code, Reason
 from lbr.messages.leases import CommandReply, refused
-from lbr.messages.rows import Row, RowSet, by_table, changes, with_rows
+from lbr.messages.rows import Row, RowsChanged, RowSet, by_table, changes, edited, with_rows
 from lbr.messages.system import EstopRequest, Event
+from lbr.messages.unreadable import UNREADABLE
 
 COMPLAINTS_PER_S = 2
 ACKNOWLEDGE_S = 0.5
@@ -429,10 +430,7 @@ class ProcessContext:
             self._origin = None
 
     def calls(self) -> Iterator[BusCall]:
-        """Yield the waiting commands; malformed ones are refused here.
-
-        Stops are noted before each of them: a mover does not begin a command that is older than a stop.
-        """
+        """Yield the waiting commands, each after all stops that are older than it; refuse malformed ones."""
         self.estop.serve()
         overtaken = self.kind.moves and STOP in self._commands
         for name, (served, _) in self._commands.items():
@@ -461,7 +459,10 @@ class ProcessContext:
         )
         try:
             call.message = _read(name, request.payload, self._commands[name][1])
-        except MalformedError as err:
+            if isinstance(call.message, RowsChanged):
+                self._row_sets = edited(self._row_sets, (read.row for read in self.kind.reads), call.message)
+                self._rows.clear()
+        except (MalformedError, *UNREADABLE) as err:
             call.refuse(f"malformed command: {err}", "malformed")
             return []
         return [call]

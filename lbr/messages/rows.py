@@ -124,6 +124,18 @@ def changed(before: Mapping[str, RowSet], after: Mapping[str, RowSet]) -> RowsCh
     return RowsChanged(rows=rows, gone=removed)
 
 
+def edited(known: Mapping[str, RowSet], rows: Iterable[type[Row]], edit: RowsChanged) -> dict[str, RowSet]:
+    """Return the sets of rows after an edit; raise one of UNREADABLE if it cannot be read."""
+    after = {}
+    for row in rows:
+        removed = msgspec.json.decode(edit.gone.get(row.TABLE, "[]"), type=list[tuple[str | int, ...]])
+        new: list[Row] = msgspec.json.decode(edit.rows.get(row.TABLE, "[]"), type=list[row])  # type: ignore[valid-type]
+        before: list[Row] = msgspec.json.decode(known[row.TABLE].rows, type=list[row])  # type: ignore[valid-type]
+        kept = {one.key: one for one in before if one.key not in removed}
+        after[row.TABLE] = row_set(row, (kept | {one.key: one for one in new}).values())
+    return after
+
+
 def changes(known: Mapping[str, RowSet], told: Mapping[str, Raw]) -> dict[str, Raw]:
     """Return the changed columns of known rows, with their keys, and new rows whole: other edits meanwhile stay."""
     return {table: _changes(known[table], rows) if table in known else rows for table, rows in told.items()}

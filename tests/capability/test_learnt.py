@@ -5,11 +5,15 @@ import os
 import msgspec
 from msgspec.structs import replace
 
+from lbr.capability.base import Capability
 from lbr.capability.config import Report
+from lbr.capability.kind import Kind
 from lbr.capability.reporter import Reporter
 from lbr.messages.joints import Joint, MotionRow, MotionStep
-from lbr.messages.rows import by_table, changes, row_set, with_rows
+from lbr.messages.leases import CommandReply
+from lbr.messages.rows import RowsChanged, by_table, changed, changes, row_set, with_rows
 from lbr.messages.speech import Phrase
+from lbr.testing import Stage, alone
 
 NECK = Joint(name="neck", device_id=1, lower_rad=-1.0, upper_rad=1.0, speed_rps=1.0)
 BOW = MotionRow(name="bow")
@@ -66,3 +70,27 @@ def test_what_is_learnt_is_one_line_and_too_much_of_it_is_refused(wording):
     finally:
         os.close(reading)
         os.close(writing)
+
+
+class Follower(Capability):
+    """Says which rows it has after an edit."""
+
+    def command(self, call):
+        call.reply(CommandReply(accepted=True, reason=" ".join(one.name for one in self.ctx.rows(MotionRow))))
+
+
+def test_rows_that_are_edited_while_a_capability_runs_are_its_rows_or_the_edit_is_refused():
+    kind = Kind(
+        name="follower",
+        summary="follows",
+        family="app",
+        entry=Follower,
+        commands={"rows": RowsChanged},
+        rows=(MotionRow, MotionStep),
+    )
+    stage = Stage()
+    stage.add(alone(kind, rows=(BOW, step(1)), name="follower"), kind)
+    edit = changed(sets(BOW, step(1)), sets(MotionRow(name="nod"), MotionRow(name="wave")))
+    assert stage.answer("follower", "rows", edit).reason == "nod wave"
+    assert stage.answer("follower", "rows", RowsChanged(rows={"motion": "[3]"})).code == "malformed"
+    assert stage.answer("follower", "rows", RowsChanged()).reason == "nod wave"

@@ -33,7 +33,6 @@ from lbr.messages.behaviour import (
 )
 from lbr.messages.codes import Reason
 from lbr.messages.leases import STOPPED_SINCE, CommandReply, StopCommand
-from lbr.messages.rows import RowsChanged
 from lbr.messages.speech import SayCommand
 
 STATE_EVERY_S, RESTING_EVERY_S = 0.25, 1.0
@@ -145,8 +144,7 @@ class Behaviours(Capability[BehaviourSettings]):
                 assert isinstance(message, RunBehaviour)
                 call.reply(CommandReply(accepted=True, reason=self._begin(message.name, call)))
             case "rows":
-                assert isinstance(message, RowsChanged)
-                self._follow(message)
+                self._follow()
                 call.reply(CommandReply(accepted=True))
             case "list":
                 call.reply(CommandReply(accepted=True, reason=self._library.listed(self._published)))
@@ -356,10 +354,10 @@ class Behaviours(Capability[BehaviourSettings]):
         ended = f"{name} {why.text}" if run.good else f"{name} failed in '{self._last.state}': {why.text}"
         self.ctx.event("behaviour_ended", ended, level=level, code=why.code)
 
-    def _follow(self, message: RowsChanged) -> None:
-        """Apply an edit of the rows; the table that runs goes by it from its next state on."""
+    def _follow(self) -> None:
+        """Compile edited rows; the table that runs goes by it from its next state on."""
         before = {**self._library.good(), **(self._run.tables if self._run is not None else {})}
-        self._library.follow(message)
+        self._library.compile()
         if self._run is None:
             return
         run, tables = self._run, self._library.good()

@@ -1,9 +1,7 @@
 """The robot's tables, compiled from its rows; edits, and tables of pages, are checked against them."""
 
 from collections.abc import Iterable, Mapping
-from typing import TypeVar
 
-import msgspec
 from msgspec.structs import replace
 
 from lbr.apps.behaviours import files, outputs, texts
@@ -33,38 +31,31 @@ from lbr.messages.behaviour import (
     ReadBehaviour,
     WriteBehaviour,
 )
-from lbr.messages.rows import Row, RowsChanged
 from lbr.messages.sensing import RING, RangeSensor
-from lbr.messages.unreadable import UNREADABLE
-
-R = TypeVar("R", bound=Row)
 
 
 class Library:
-    """All tables of a robot: `compile` makes them, `follow` applies an edit of the rows."""
+    """All tables of a robot; `compile` makes them, again after an edit of the rows."""
 
     def __init__(self, ctx: Context[BehaviourSettings], senses: Senses) -> None:
         self._ctx = ctx
         self._senses = senses
-        self._tables: dict[str, BehaviourTable] = {row.name: row for row in ctx.rows(BehaviourTable)}
-        self._rows: tuple[BehaviourRow, ...] = ctx.rows(BehaviourRow)
-        self._sensors: tuple[RangeSensor, ...] = ctx.rows(RangeSensor)
         self._compiled: dict[str, Compiled] = {}
 
-    def follow(self, message: RowsChanged) -> None:
-        """Apply an edit of the rows, and compile."""
-        self._tables = {row.name: row for row in _edited(BehaviourTable, self._tables.values(), message)}
-        self._rows = tuple(_edited(BehaviourRow, self._rows, message))
-        self._sensors = tuple(_edited(RangeSensor, self._sensors, message))
-        self.compile()
+    @property
+    def _tables(self) -> dict[str, BehaviourTable]:
+        return {row.name: row for row in self._ctx.rows(BehaviourTable)}
 
     def compile(self) -> None:
         """Compile all tables, and publish their names and faults."""
-        self._compiled = linked(compiled_alone(self._tables.values(), self._rows, self._parts()))
+        self._compiled = linked(
+            compiled_alone(self._ctx.rows(BehaviourTable), self._ctx.rows(BehaviourRow), self._parts())
+        )
+        tables = self._tables
         summaries = (
             BehaviourSummary(
                 name=name,
-                help=self._tables[name].help,
+                help=tables[name].help,
                 rows=len(self._rows_of(name)),
                 faults=_report(compiled.faults),
             )
@@ -135,12 +126,14 @@ class Library:
         return texts.graph(self._tables[name], self._rows_of(name), at)
 
     def _rows_of(self, name: str) -> list[BehaviourRow]:
-        return [row for row in self._rows if row.behaviour == name]
+        return [row for row in self._ctx.rows(BehaviourRow) if row.behaviour == name]
 
     def _parts(self) -> Parts:
         """Return the parts of this robot."""
         asks = frozenset(way for way in outputs.NEEDS if self._ctx.targets(way))
-        return Parts(self._senses.streams, asks, frozenset(row.name for row in self._sensors) or frozenset(RING))
+        return Parts(
+            self._senses.streams, asks, frozenset(row.name for row in self._ctx.rows(RangeSensor)) or frozenset(RING)
+        )
 
     def _require(self, name: str) -> None:
         """Raise InputError if there is no such table."""
@@ -157,15 +150,3 @@ def _report(faults: Iterable[Fault], lines: Mapping[int, int] | None = None) -> 
         )
         for one in list(faults)[:MOST_FAULTS]
     )
-
-
-def _edited(row: type[R], before: Iterable[R], message: RowsChanged) -> list[R]:
-    """Return the rows of a table after an edit."""
-    try:
-        removed = set(msgspec.json.decode(message.gone.get(row.TABLE, "[]"), type=list[tuple[object, ...]]))
-        told = msgspec.json.decode(message.rows.get(row.TABLE, "[]"), type=list[object])
-        added = [msgspec.convert(each, row) for each in told]
-    except (TypeError, *UNREADABLE) as err:
-        raise InputError(f"rows of {row.TABLE} cannot be read: {err}", "malformed") from err
-    found = {each.key: each for each in before if each.key not in removed}
-    return list((found | {each.key: each for each in added}).values())

@@ -72,13 +72,9 @@ class Door:
         feed = wire.Subscription(self._bus, f"{self._robot}/{PREFIX}$*/frame", depth=DEPTH, wake=wake)
         return feed.close
 
-    def knows(self, session: str) -> bool:
-        """Return whether a session is still valid."""
-        return self._sessions.knows(session)
-
-    def on_sign_out(self, then: Callable[[], None]) -> None:
-        """Call a function whenever a user signs out."""
-        self._sessions.on_end.append(then)
+    def knows(self, mark: str) -> bool:
+        """Return whether a client's session or token is still valid."""
+        return self._sessions.knows(mark)
 
     def tell(self, text: str) -> None:
         """Write a dated line to the log; viewers may watch even if the log cannot be written."""

@@ -44,9 +44,11 @@ class Access:
         self._legacy = legacy
         self._proven: dict[str, bool] = {}
 
-    def admit(self, user: LanUser) -> None:
-        """Add a token; from any thread."""
-        self._users = {**self._users, user.name: user}
+    def use(self, users: Iterable[LanUser]) -> None:
+        """Use these tokens only; what clients opened by others ends. From any thread."""
+        self._users = {user.name: user for user in users}
+        if self._login is not None:
+            self._login.sessions.use({user.name: user.secret for user in self._users.values()})
 
     def client(
         self,
@@ -114,9 +116,9 @@ class Access:
 
     def _is_proven(self, user: LanUser) -> bool:
         """Return whether a row's hash belongs to its secret; takes about 25 ms, once."""
-        if user.name not in self._proven:
-            self._proven[user.name] = tokens.fits(user.secret, user.hash)
-        return self._proven[user.name]
+        if user.hash not in self._proven:
+            self._proven[user.hash] = tokens.fits(user.secret, user.hash)
+        return self._proven[user.hash]
 
     def _is_trusted(self, address: str) -> bool:
         found = names.plain(address)

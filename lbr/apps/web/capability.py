@@ -38,6 +38,7 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import LbrError
 from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.rows import RowsChanged
 from lbr.messages.web import AddressReply, WebState
 
 SWITCH_S = 0.0005
@@ -68,6 +69,7 @@ class Web(Capability[WebSettings]):
         self._told = ""
         self._api: Api | None = None
         self._announcer: Announcer | None = None
+        self._access: Access | None = None
         self._tell_at = self._look_at = self._busy_until = self._opened = 0.0
         self._requests = 0
 
@@ -112,6 +114,10 @@ class Web(Capability[WebSettings]):
                     accepted=listens, reason=place.text(), url=place.url, local=local, open=place.open, tls=place.tls
                 )
             )
+        elif isinstance(call.message, RowsChanged):
+            assert self._access is not None
+            self._access.use(self.ctx.rows(LanUser))
+            call.reply(CommandReply(accepted=True))
         elif isinstance(call.message, StopCommand):
             self._stop(call.message.reason or f"stopped by {call.source}")
             call.reply(CommandReply(accepted=True))
@@ -143,7 +149,7 @@ class Web(Capability[WebSettings]):
         settings, place = self.ctx.settings, self._front.place
         pages, states = Pages(settings.cors), States(self.ctx.robot)
         login = Login(self._sessions, f"lbr_web_{place.port}", tls=place.tls)
-        access = Access(settings.trusted, self.ctx.rows(LanUser), legacy=self._legacy, login=login)
+        self._access = access = Access(settings.trusted, self.ctx.rows(LanUser), legacy=self._legacy, login=login)
         gate = Gate(access, pages)
         viewers = Turns(MOST_OF_ONE, MOST_VIEWERS)
         streams = Streams(self._robot, states, gate, viewers)

@@ -97,12 +97,17 @@ class Client:
         alone."""
         return bool(self.name or self.session) or self.role == "admin"
 
+    @property
+    def mark(self) -> str:
+        """Return what identifies its session, or else its token; empty without one."""
+        return self.session or self.name
+
     def may(self, role: Role | None) -> bool:
         """Return whether this client has a role; None is for everybody."""
         return role is None or (self.role is not None and RANKS[self.role] >= RANKS[role])
 
     def __str__(self) -> str:
-        name = self.name or self.session.partition(":")[0]
+        name = self.mark.partition(":")[0]
         return f"{name} at {self.address}" if name else self.address
 
 

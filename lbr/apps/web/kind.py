@@ -10,7 +10,7 @@ from lbr import plugins
 from lbr.apps.web.ports import FacePorts, with_faces
 from lbr.apps.web.server_settings import ServerSettings
 from lbr.bus.door import LanUser
-from lbr.capability.kind import Command, Kind, Rights
+from lbr.capability.kind import Command, Kind, Rights, Rows
 from lbr.capability.word import Word
 from lbr.messages.battery import BatteryState
 from lbr.messages.drive import DriveState, GoalResult
@@ -27,6 +27,7 @@ from lbr.messages.joints import (
 )
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.pairing import PairCommand, PairReply
+from lbr.messages.rows import Row, RowsChanged
 from lbr.messages.sensing import Ranges
 from lbr.messages.system import EstopResetCommand
 from lbr.messages.units import Name
@@ -118,6 +119,8 @@ PORTS, REFUSED = with_faces(
 """The ports of the server and of all installed faces; REFUSED has the faults of the others."""
 
 PHONE = "Connect a phone: open the web server to your network, and show a code to scan"
+EDITS: dict[type[Row], Literal["all", "removals"]] = {LanUser: "removals", MotionRow: "all", MotionStep: "all"}
+"""The edits for which the server is not restarted: a revoked token ends with its own client's connections."""
 LETS_IN = ("host", "tls", "clear_text", "legacy", "trusted", "cors", "names", "announce")
 
 KIND = Kind(
@@ -130,10 +133,14 @@ KIND = Kind(
     inputs=PORTS.inputs,
     optional=tuple(PORTS.inputs),
     outputs={"state": WebState},
-    commands={"address": Command(AddressCommand, role="view"), "stop": StopCommand},
+    commands={
+        "address": Command(AddressCommand, role="view"),
+        "stop": StopCommand,
+        "rows": Command(RowsChanged, role="admin"),
+    },
     requests={**PORTS.requests, "pair": PairCommand},
-    replies={"address": AddressReply, "stop": CommandReply, "pair": PairReply, **PORTS.replies},
-    rows=PORTS.rows,
+    replies={"address": AddressReply, "stop": CommandReply, "rows": CommandReply, "pair": PairReply, **PORTS.replies},
+    rows=tuple(Rows(row, edits=EDITS.get(row, "none")) for row in PORTS.rows),
     words=(
         Word("phone", "phone", PHONE, executive=True, role="admin"),
         Word("p", "phone", PHONE, executive=True, role="admin"),

@@ -15,14 +15,14 @@ class Login:
     """The routes to sign in and out, which set and delete cookies of this `name`; with `tls` for https only."""
 
     def __init__(self, sessions: Sessions, name: str, *, tls: bool) -> None:
-        self._sessions = sessions
+        self.sessions = sessions
         self._name = f"{'__Host-' if tls else ''}{name}"
         self._tls = tls
 
     def session(self, headers: Mapping[str, str], whose: str | None) -> str:
         """Return the mark of the session of a request's cookie; empty without one, or if its user is unknown."""
         cookie = self._cookie(headers)
-        return self._sessions.find(cookie, whose) if cookie and whose is not None else ""
+        return self.sessions.find(cookie, whose) if cookie and whose is not None else ""
 
     @post("/session", role="known")
     def _begin(self, client: Client) -> Annotated[Response, {204: None}]:
@@ -37,7 +37,7 @@ class Login:
         """Add a token's cookie to a response, unless the user of the client's program is unknown."""
         if whose is None:
             return
-        cookie = self._sessions.begin(name, whose)
+        cookie = self.sessions.begin(name, whose)
         response.set_cookie(
             self._name, cookie, max_age=LIFE_S, path="/", httponly=True, samesite="strict", secure=self._tls
         )
@@ -45,13 +45,13 @@ class Login:
     @route("DELETE", "/session", role=None)
     def _end(self, client: Client) -> Annotated[Response, {204: None}]:
         """End the session of the cookie."""
-        self._sessions.end(client.session)
+        self.sessions.end(client.session)
         return self._signed_out()
 
     @route("DELETE", "/sessions", role="known")
     def _end_all(self, client: Client) -> Annotated[Response, {204: None}]:
         """End all sessions of the client's token."""
-        self._sessions.end_all(client.name or name_in(client.session))
+        self.sessions.end_all(name_in(client.mark))
         return self._signed_out()
 
     def _signed_out(self) -> Response:

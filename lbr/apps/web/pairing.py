@@ -67,9 +67,8 @@ class PairingRoutes:
         if not reply.accepted:
             raise Refused(STATUSES.get(reply.code, 503), reply.reason, code=reply.code or "refused")  # type: ignore[arg-type]
         secret = tokens.parse(reply.token).secret
-        self._robot.ctx.adopt([user := LanUser(name=reply.name, role=reply.role, secret=secret, hash=reply.hash)])
-        self._access.admit(user)
-        self._robot.sessions.admit(user.name, secret)
+        self._robot.ctx.adopt([LanUser(name=reply.name, role=reply.role, secret=secret, hash=reply.hash)])
+        self._access.use(self._robot.ctx.rows(LanUser))
         answer = PairAnswer(token=reply.token, name=reply.name, role=reply.role)
         return _WithCookie(answer, lambda response: self._login.give(response, reply.name, whose))
 

@@ -25,25 +25,24 @@ MOST = 32
 class Sessions:
     """The sessions of tokens; `keys` are the tokens' secrets by name. A removed token ends its sessions.
 
-    `on_end` is called whenever some were ended. All on the server's thread.
+    All but `knows` and changes of tokens is for the server's thread.
     """
 
     def __init__(self, path: Path, keys: Mapping[str, str], now: Callable[[], float] = time.time) -> None:
-        self.on_end: list[Callable[[], None]] = []
         self._path = path
-        self._keys = {name: key.encode()[:64] for name, key in keys.items()}
+        self.use(keys)
         self._now = now
         self._ends = self._read()
 
-    def admit(self, name: str, key: str) -> None:
-        """Add a token; from any thread."""
-        self._keys = {**self._keys, name: key.encode()[:64]}
+    def use(self, keys: Mapping[str, str]) -> None:
+        """Use these tokens only; from any thread."""
+        self._keys = {name: key.encode()[:64] for name, key in keys.items()}
 
     def begin(self, name: str, whose: str) -> str:
         """Begin a session of a token for a user, as `peers.whose` names it; return its cookie."""
         cookie = secrets.token_urlsafe(32)
         self._ends = self._living()
-        self._ends[self._mark(name, whose, cookie)] = self._now() + LIFE_S
+        self._ends[_mark(name, self._keys.get(name, b""), whose, cookie)] = self._now() + LIFE_S
         while len(self._ends) > MOST:
             del self._ends[min(self._ends, key=lambda mark: self._ends[mark])]
         self._write()
@@ -51,12 +50,12 @@ class Sessions:
 
     def find(self, cookie: str, whose: str) -> str:
         """Return the mark of the session of a user's cookie; empty without a valid one."""
-        living = self._living()
-        return next((mark for name in self._keys if (mark := self._mark(name, whose, cookie)) in living), "")
+        marks = (_mark(name, key, whose, cookie) for name, key in self._keys.items())
+        return next((mark for mark in marks if self.knows(mark)), "")
 
     def knows(self, mark: str) -> bool:
-        """Return whether the session of a mark is valid."""
-        return name_in(mark) in self._keys and mark in self._living()
+        """Return whether a session or a token is valid, by the mark of its client."""
+        return mark in self._keys or (name_in(mark) in self._keys and mark in self._living())
 
     def end(self, mark: str) -> None:
         """End the session of a mark."""
@@ -71,16 +70,10 @@ class Sessions:
         if len(left) < len(self._ends):
             self._ends = left
             self._write()
-        for told in self.on_end:
-            told()
 
     def _living(self) -> dict[str, float]:
         now = self._now()
         return {mark: end for mark, end in self._ends.items() if now < end <= now + LIFE_S}
-
-    def _mark(self, name: str, whose: str, cookie: str) -> str:
-        shown = f"{whose}\n{cookie}".encode("utf-8", "replace")
-        return f"{name}:{blake2b(shown, key=self._keys[name], digest_size=32).hexdigest()}"
 
     def _read(self) -> dict[str, float]:
         try:
@@ -95,6 +88,11 @@ class Sessions:
             home.write_private(self._path, msgspec.json.encode(self._ends))
         except OSError as err:
             raise InputError(f"{self._path} cannot be written ({err.strerror}): check the disk") from err
+
+
+def _mark(name: str, key: bytes, whose: str, cookie: str) -> str:
+    shown = f"{whose}\n{cookie}".encode("utf-8", "replace")
+    return f"{name}:{blake2b(shown, key=key, digest_size=32).hexdigest()}"
 
 
 def name_in(mark: str) -> str:

@@ -29,7 +29,7 @@ class Streams(Viewing):
     protocols = ("lbr.state",)
 
     def __init__(self, robot: Robot, states: States, gate: Gate, viewers: Turns) -> None:
-        super().__init__(gate, viewers)
+        super().__init__(gate, viewers, robot.sessions)
         self._robot = robot
         self._states = states
 

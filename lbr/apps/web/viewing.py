@@ -2,7 +2,7 @@
 
 import asyncio
 from abc import abstractmethod
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
 
 from starlette.routing import BaseRoute, Match
@@ -18,11 +18,13 @@ from lbr.apps.web.application import Gate
 from lbr.apps.web.face import Client, Refused, refuse_without
 from lbr.apps.web.guards import headers_of
 from lbr.apps.web.routing import Path
+from lbr.apps.web.sessions import Sessions
 
 TOKEN_PROTOCOL = "bearer."  # noqa: S105 - browsers' scripts cannot set headers of a WebSocket
 MOST_VIEWERS, MOST_OF_ONE = 16, 8
 STALLED_S = 5.0
 STALLED, TALKS = 1013, 1008
+SIGNED_OUT = "signed out, or its token was revoked"
 
 
 class Viewer:
@@ -38,6 +40,7 @@ class Viewer:
 
     def __init__(self, period_s: float) -> None:
         self.period_s = period_s
+        self.is_known: Callable[[], bool] = lambda: True
         self._loop = asyncio.get_running_loop()
         self._woken = asyncio.Event()
         self._rate = Bucket(self.messages_hz, self._loop.time(), self.messages_at_once)
@@ -48,10 +51,6 @@ class Viewer:
 
     def receive(self, message: str | bytes) -> None:
         """Read one message; ignored by default."""
-
-    def expelled(self) -> str:
-        """Return why the socket must be closed; empty if it may stay."""
-        return ""
 
     def leave(self) -> None:
         """Release all that it has."""
@@ -73,6 +72,8 @@ class Viewer:
             message: Message = await receive()
             if message["type"] == "websocket.disconnect":
                 return ""
+            if not self.is_known():
+                return SIGNED_OUT
             if not self._rate.take(self._loop.time()):
                 return self.too_much
             text = message.get("text")
@@ -99,8 +100,8 @@ class Viewer:
         """Send frames until the viewer leaves (0), stalls, or must be closed; return the close code and the reason."""
         due = self._loop.time()
         while not reading.done():
-            if reason := self.expelled():
-                return TALKS, reason
+            if not self.is_known():
+                return TALKS, SIGNED_OUT
             try:
                 async with asyncio.timeout(STALLED_S):
                     for frame in self.frames():
@@ -115,16 +116,18 @@ class Viewer:
 class Viewing(BaseRoute):
     """The open WebSockets of one path, or of any; for the server's thread.
 
-    `protocols`: its subprotocols, the best first. `does`: the activity of other clients, for a refusal.
+    `protocols`: its subprotocols, the best first. `does`: the activity of other clients, for a refusal. With
+    `sessions`, the sockets of tokens and sessions that are not valid any more are closed.
     """
 
     path: Path | None = None
     protocols: tuple[str, ...]
     does = "looking"
 
-    def __init__(self, gate: Gate, viewers: Turns) -> None:
+    def __init__(self, gate: Gate, viewers: Turns, sessions: Sessions | None = None) -> None:
         self._gate = gate
         self._viewers = viewers
+        self._sessions = sessions
 
     def matches(self, scope: Scope) -> tuple[Match, Scope]:
         """Return whether a request is for a WebSocket of this path."""
@@ -145,6 +148,7 @@ class Viewing(BaseRoute):
             await socket.accept(self.chosen(scope.get("subprotocols", ())))
             if (connection := connection_of(scope)) is not None:
                 connection.mark("watching")
+            viewer.is_known = lambda: self._sessions is None or not client.mark or self._sessions.knows(client.mark)
             await viewer.serve(socket, receive)
 
     def chosen(self, offered: Collection[str]) -> str | None:

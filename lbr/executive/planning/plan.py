@@ -82,9 +82,8 @@ def difference(before: Plan, after: Plan) -> Change:
         for name in changed
         if after.kinds[name].rights.emulates and added_devices(before.units[name], after.units[name])
     )
-    follow = tuple(
-        name for name in changed if after.kinds[name].follows and changed_rows(before.units[name], after.units[name])
-    )
+    edits = {name: changed_rows(before.units[name], after.units[name]) for name in changed}
+    follow = tuple(name for name, edit in edits.items() if edit is not None and after.kinds[name].follows(edit))
     return Change(
         start=tuple(name for name in after.units if name not in before.units),
         stop=tuple(name for name in before.units if name not in after.units),

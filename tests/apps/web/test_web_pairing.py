@@ -5,12 +5,18 @@ import os
 import threading
 
 import pytest
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
 
+from lbr.apps.web.viewing import TALKS
 from lbr.bus import tokens
 from lbr.executive.service.pairing_service import NOT_GOOD
 from lbr.messages.leases import CommandReply
 from lbr.messages.pairing import PairReply
+from lbr.messages.rows import RowsChanged
+from lbr.testing import FakeCall
 from tests.apps.web.web_stage import Served, serving
+from tests.support.waiting import HANG_S
 
 SECRET, FINGERPRINT = "s" * 43, "f" * 22
 HASH = tokens.hashed(SECRET)
@@ -49,6 +55,11 @@ def pair(served: Served, code: object = "123456", headers: dict | None = None, *
     return served.ask("POST", "/api/pair", {"code": code, "name": "Ann's phone", **more}, headers)
 
 
+def exhausted(states):
+    while True:
+        states.recv(timeout=HANG_S)
+
+
 def test_the_right_code_gives_a_token_that_counts_at_once_and_restarts_nothing(served, executive):
     answer = pair(served, "123 456")
     assert answer.status == 200
@@ -64,6 +75,24 @@ def test_the_right_code_gives_a_token_that_counts_at_once_and_restarts_nothing(s
         == 401
     )
     assert any(user.name == given["name"] for user in served.stage.given), "the row is not gone on with"
+
+
+def test_a_token_that_is_revoked_ends_what_its_own_client_opened_and_nothing_else(served):
+    lost, kept = pair(served), pair(served)
+    as_lost, as_kept = ({"Authorization": f"Bearer {one.json['token']}"} for one in (lost, kept))
+    states = f"ws://127.0.0.1:{served.port}/ws"
+    with connect(states, additional_headers=as_lost) as ends, connect(states, additional_headers=as_kept) as goes_on:
+        served.stage.given = tuple(one for one in served.stage.given if one.name != lost.json["name"])
+        call = FakeCall("rows", RowsChanged(gone={"user_token": json.dumps([[lost.json["name"]]])}))
+        served.web.command(call)
+        assert call.answer.accepted
+        with pytest.raises(ConnectionClosed) as closed:
+            exhausted(ends)
+        assert closed.value.rcvd.code == TALKS
+        for _ in range(5):
+            goes_on.recv(timeout=HANG_S)
+    assert served.ask("POST", "/estop/reset", headers=as_lost).status == 401
+    assert served.ask("POST", "/estop/reset", headers=as_kept).status == 200
 
 
 def test_it_gives_a_cookie_that_looks_and_does_nothing_else(served):

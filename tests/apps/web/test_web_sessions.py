@@ -99,13 +99,13 @@ def test_a_session_is_of_the_user_alone_who_began_it(path, clock):
 
 
 def test_each_session_is_of_one_token_and_ends_with_it(path, clock):
-    told: list[bool] = []
     sessions = Sessions(path, BOTH, clock)
     anns, bobs = sessions.begin("ann", ME), sessions.begin("bob", ME)
-    sessions.on_end.append(lambda: told.append(True))
     assert [name_in(sessions.find(cookie, ME)) for cookie in (anns, bobs)] == ["ann", "bob"]
     marks = [sessions.find(cookie, ME) for cookie in (anns, bobs)]
     assert [Sessions(path, KEY, clock).knows(mark) for mark in marks] == [True, False]  # bob's token was revoked
     sessions.end_all("ann")
     assert [sessions.knows(mark) for mark in marks] == [False, True]
-    assert told == [True]
+    sessions.use(KEY)
+    assert [sessions.knows(name) for name in ("", "ann", "bob")] == [False, True, False]
+    assert sessions.find(bobs, ME) == ""

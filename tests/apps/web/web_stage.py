@@ -92,7 +92,8 @@ class Stage:
         return given(*self.given)(row)
 
     def adopt(self, rows: Iterable[Row]) -> None:
-        self.given = tuple(rows)
+        new = {(type(one), one.key): one for one in rows}
+        self.given = (*(one for one in self.given if (type(one), one.key) not in new), *new.values())
 
     def engage_estop(self, reason: str) -> None:
         self.engaged.append(reason)

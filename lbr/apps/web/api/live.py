@@ -41,10 +41,9 @@ class Live(Viewing):
     protocols = ("lbr.live",)
 
     def __init__(self, api: Api, gate: Gate, viewers: Turns, sessions: Sessions, page: str = "") -> None:
-        super().__init__(gate, viewers)
+        super().__init__(gate, viewers, sessions)
         self._api = api
         self._page = page
-        self._sessions = sessions
 
     async def client(self, scope: Scope, headers: Mapping[str, str]) -> Client:
         """Return the client, which may be the robot's owner; raise Refused."""
@@ -55,7 +54,7 @@ class Live(Viewing):
         del scope
         if self._api.feeds is None:
             raise Refused(503, NO_BUS, code="not_possible")
-        return _PageViewer(self._api, self._api.feeds, client, self._sessions, self._page)
+        return _PageViewer(self._api, self._api.feeds, client, self._page)
 
 
 class _PageViewer(Viewer):
@@ -64,10 +63,8 @@ class _PageViewer(Viewer):
     messages_hz, messages_at_once = 100.0, 200.0  # a page sends 25 a second, with a mouse 60; a network delivers late
     too_much = "too much is said here"
 
-    def __init__(self, api: Api, feeds: Feeds, client: Client, sessions: Sessions, page: str) -> None:
+    def __init__(self, api: Api, feeds: Feeds, client: Client, page: str) -> None:
         super().__init__(1.0 / USUAL_HZ)
-        self._client = client
-        self._sessions = sessions
         self._api = api
         self._feeds = feeds
         self._asked: tuple[str, ...] = ()
@@ -82,11 +79,6 @@ class _PageViewer(Viewer):
         self._age = LinkAge(PULSE_S)
         self._link: LinkNews | None = None
         self._link_s = 0.0
-
-    def expelled(self) -> str:
-        """Return why the page's socket must be closed; empty if it may stay."""
-        session = self._client.session
-        return "signed out" if session and not self._sessions.knows(session) else ""
 
     def frames(self) -> Iterator[str]:
         """Yield the messages that are due, as one."""

@@ -16,14 +16,12 @@ Deal = Callable[[str, bytes], None]
 
 
 class Viewer:
-    """One open stream: a slot for the newest picture of a camera (empty: of the active one).
+    """One open stream: a slot for the newest picture of a camera (empty: of the active one), while its client is
+    `known`."""
 
-    `session` is the mark of the viewer's session; empty for a token.
-    """
-
-    def __init__(self, camera: str, session: str = "") -> None:
+    def __init__(self, camera: str, known: Callable[[], bool]) -> None:
         self.camera = camera
-        self.session = session
+        self._known = known
         self._slot: bytes | None = None
         self._over = False
         self._news = asyncio.Event()
@@ -41,9 +39,11 @@ class Viewer:
     async def next(self) -> bytes | None:
         """Wait for the next picture; None at the end of the stream."""
         while True:
-            await self._news.wait()
+            with suppress(TimeoutError):
+                async with asyncio.timeout(CURRENT_S):
+                    await self._news.wait()
             self._news.clear()
-            if self._over:
+            if self._over or not self._known():
                 return None
             picture, self._slot = self._slot, None
             if picture is not None:
@@ -53,11 +53,13 @@ class Viewer:
 class Hub:
     """Deals pictures to viewers.
 
-    With the first viewer `begin` starts the pictures, each to `deal`, and returns their stop.
+    With the first viewer `begin` starts the pictures, each to `deal`, and returns their stop. `known` is whether the
+    client of a mark is still known.
     """
 
-    def __init__(self, begin: Callable[[Deal], Callable[[], None]]) -> None:
+    def __init__(self, begin: Callable[[Deal], Callable[[], None]], known: Callable[[str], bool]) -> None:
         self._begin = begin
+        self._known = known
         self._end: Callable[[], None] | None = None
         self._viewers: set[Viewer] = set()
         self._current = ("", 0.0)
@@ -70,9 +72,9 @@ class Hub:
         return "all" if self._closed else self._turns.why_not(who)
 
     @contextmanager
-    def viewer(self, camera: str, asker: str, session: str = "") -> Iterator[Viewer]:
+    def viewer(self, camera: str, asker: str, mark: str = "") -> Iterator[Viewer]:
         """Watch during a `with`."""
-        viewer = Viewer(camera, session)
+        viewer = Viewer(camera, lambda: not mark or self._known(mark))
         self._viewers.add(viewer)
         try:
             if self._end is None:
@@ -94,12 +96,6 @@ class Hub:
         for viewer in self._viewers:
             if camera == (viewer.camera or self._current[0]):
                 viewer.show(picture)
-
-    def end(self, knows: Callable[[str], object]) -> None:
-        """End the streams of sessions that are over."""
-        for viewer in self._viewers:
-            if viewer.session and not knows(viewer.session):
-                viewer.end()
 
     def close(self) -> None:
         """End all streams, and refuse new ones; from any thread."""

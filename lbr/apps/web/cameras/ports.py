@@ -53,13 +53,9 @@ class Ports:
 
         return end
 
-    def knows(self, session: str) -> bool:
-        """Return whether a session is still valid."""
-        return self._robot.sessions.knows(session)
-
-    def on_sign_out(self, then: Callable[[], None]) -> None:
-        """Call a function whenever a user signs out."""
-        self._robot.sessions.on_end.append(then)
+    def knows(self, mark: str) -> bool:
+        """Return whether a client's session or token is still valid."""
+        return self._robot.sessions.knows(mark)
 
     def tell(self, text: str) -> None:
         """Publish an event."""

@@ -43,11 +43,8 @@ class Source(Protocol):
     def begin(self, deal: Deal) -> Callable[[], None]:
         """Start the pictures, each to `deal` on the server's thread; return the function that ends them."""
 
-    def knows(self, session: str) -> bool:
-        """Return whether a session is still valid."""
-
-    def on_sign_out(self, then: Callable[[], None]) -> None:
-        """Call a function, on the server's thread, whenever a user signs out."""
+    def knows(self, mark: str) -> bool:
+        """Return whether a client's session or token is still valid."""
 
     def tell(self, text: str) -> None:
         """Report who watches."""
@@ -70,8 +67,7 @@ class CamerasFace(Face):
 
     def __init__(self, source: Source) -> None:
         self._source = source
-        self._hub = Hub(source.begin)
-        source.on_sign_out(lambda: self._hub.end(source.knows))
+        self._hub = Hub(source.begin, source.knows)
 
     def step(self, now: float) -> None:
         """Read states and pictures."""

@@ -48,7 +48,7 @@ class Stream(Response):
         if (connection := connection_of(scope)) is not None:
             connection.mark("watching")
         try:
-            with self._hub.viewer(self._camera, asker, self._client.session) as viewer:
+            with self._hub.viewer(self._camera, asker, self._client.mark) as viewer:
                 await _stream(viewer, scope, receive, send)
         finally:
             self._tell(f"{self._client} watches {name} no more")
