@@ -7,6 +7,8 @@ import { maybe, t } from "./words";
 export const token = signal<string>(remembered("token", ""));
 /** The robot asks who this is. */
 export const unknown = signal(false);
+/** The robot refused the token that this browser had. */
+export const revoked = signal(false);
 
 export interface Answer<T = unknown> { ok: boolean; status: number; code: string; reason: string; data: T | null }
 interface Options { method?: "GET" | "POST" | "DELETE"; body?: unknown; quiet?: boolean; keepalive?: boolean; timeoutMs?: number }
@@ -68,14 +70,21 @@ export async function signIn(given: string): Promise<boolean> {
     return false;
   }
   remember("token", token.value);
-  unknown.value = false;
+  unknown.value = revoked.value = false;
   return true;
+}
+
+/** Gives up the token; true if there was one. */
+export function forget(): boolean {
+  const had = token.value !== "";
+  token.value = "";
+  remember("token", null);
+  return had;
 }
 
 export async function signOut(): Promise<void> {
   await ask("session", { method: "DELETE", quiet: true });
-  token.value = "";
-  remember("token", null);
+  forget();
   location.reload();
 }
 

@@ -1,6 +1,6 @@
 // How the page begins: who this is, what the robot is, then the live line.
 import { effect, signal } from "@preact/signals";
-import { given, pair, signIn, token, unknown } from "./access";
+import { given, pair, signIn } from "./access";
 import { remember, remembered } from "./kept";
 import { connect } from "./live";
 import { look, robot } from "./robot";
@@ -38,9 +38,5 @@ export async function begin(): Promise<void> {
 /** Asks what the robot is and opens the live line, once it is known who this is. */
 export async function enter(): Promise<void> {
   await look();
-  if (robot.value === null && unknown.value && token.value) {
-    token.value = "";
-    remember("token", null);
-  }
-  if (!unknown.value || robot.value) connect();
+  connect();
 }

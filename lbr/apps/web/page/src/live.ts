@@ -1,13 +1,13 @@
 // One WebSocket for the whole page: the newest of the streams that are looked at, events, and the motion that is held.
 import { signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
-import { token } from "./access";
+import { token, unknown } from "./access";
 import { noteBuild } from "./build";
 import type { Event, Status } from "./messages";
 import { notice } from "./notices";
 import { look, robot } from "./robot";
 
-export type Link = "connecting" | "open" | "quiet" | "lost" | "hidden";
+export type Link = "connecting" | "open" | "quiet" | "lost" | "hidden" | "refused";
 export interface Sample<T> { message: T; at: number; ageMs(): number; stale(ms?: number): boolean }
 /** How old what is driven by is, there and back, and the share of the speed that the robot's server leaves it. */
 export interface Pace { age_ms: number; speed: number }
@@ -108,6 +108,10 @@ export const heardTime = (): { t?: number } => (serverTime === null ? {} : { t: 
 export function connect(): void {
   clearTimeout(again);
   if (socket !== null || document.hidden) return;
+  if (unknown.value && robot.value === null) {
+    link.value = "refused";
+    return;
+  }
   link.value = tries > 0 ? "lost" : "connecting";
   const address = new URL("api/live", location.href);
   address.protocol = address.protocol === "https:" ? "wss:" : "ws:";
@@ -135,6 +139,7 @@ function lost(): void {
   }
   link.value = "lost";
   again = setTimeout(connect, AGAIN_MS[Math.min(tries++, AGAIN_MS.length - 1)]);
+  void look(); // a browser does not say that a socket was refused
 }
 
 /** Closes the socket; whoever listens hears nothing until `connect`. */

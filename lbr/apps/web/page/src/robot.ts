@@ -1,8 +1,9 @@
 // What the robot is: GET /api, asked again when its rows change; and what a page asks of it.
 import { computed, signal } from "@preact/signals";
-import { ask, type Answer } from "./access";
+import { ask, forget, revoked, type Answer } from "./access";
 import { OLD, outdated } from "./build";
 import { notice } from "./notices";
+import { t } from "./words";
 import type { Capability, CommandReply, Role, Robot, Schema } from "./messages";
 
 export { ask as fetchJson } from "./access";
@@ -28,7 +29,19 @@ async function looked(): Promise<void> {
   const answer = await ask<Robot>("api", { quiet: true });
   away.value = answer.status === 0;
   if (answer.ok && answer.data) robot.value = whole(answer.data);
-  else if (answer.status !== 401) again = setTimeout(() => void look(), AGAIN_MS);
+  else if (answer.status === 401) await refused();
+  else again = setTimeout(() => void look(), AGAIN_MS);
+}
+
+/** Without its token a browser may look where its place is trusted; elsewhere it is a stranger, and signs in. */
+async function refused(): Promise<void> {
+  if (!forget()) {
+    robot.value = null;
+    return;
+  }
+  revoked.value = true;
+  await looked();
+  if (robot.value) notice(t("sign.revoked"), "warn");
 }
 
 /** An older robot may lack lists that this page knows. */

@@ -1,8 +1,8 @@
 // Who is unknown to the robot pairs by six digits, or shows a token.
 import { useState } from "preact/hooks";
-import { pair, signIn } from "./access";
+import { pair, revoked, signIn } from "./access";
 import { deviceName, enter } from "./begin";
-import { Button, Card, Field } from "./parts";
+import { Button, Card, Field, Icon } from "./parts";
 import { t } from "./words";
 
 export function SignIn() {
@@ -21,6 +21,7 @@ export function SignIn() {
   return (
     <Card class="sign">
       <h2>{t("sign.title")}</h2>
+      {revoked.value && <p class="sign-revoked" role="alert"><Icon name="lock" />{t("sign.revoked")}</p>}
       <p class="muted">{t("sign.text")}</p>
       <form onSubmit={(event) => void submit(event)}>
         {byToken ? (
