@@ -1,1 +1,0 @@
-import{L as e,V as t,z as n}from"./access-m3NhhPT1.js";import{f as r}from"./index-DnLj4Brq.js";function i(i,a=r){let[o,s]=t(``),c=n(!1);return e(()=>{if(i===null)return;s(c.current?i:``),c.current=!0;let e=setTimeout(()=>s(``),a);return()=>clearTimeout(e)},[i]),!!i&&o===i}export{i as t};
