@@ -87,9 +87,7 @@ class Commands(click.Group):
 
 def _version(ctx: click.Context, _parameter: click.Parameter, wanted: bool) -> None:
     if wanted and not ctx.resilient_parsing:
-        from importlib import metadata  # noqa: PLC0415 - takes as long as click to import
-
-        click.echo(f"lbr {metadata.version('lbr')}")
+        click.echo(f"lbr {plugins.version()}")
         ctx.exit()
 
 

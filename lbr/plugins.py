@@ -173,8 +173,6 @@ def contradiction(requires: tuple[str, ...]) -> str:
     asking = [text for text in requires if text.lower().startswith(CORE)]
     if not asking:
         return ""
-    from importlib.metadata import version  # noqa: PLC0415 - packages of others only
-
     from packaging.requirements import InvalidRequirement, Requirement
     from packaging.utils import canonicalize_name
 
@@ -185,10 +183,16 @@ def contradiction(requires: tuple[str, ...]) -> str:
             return f"it requires {text!r}, which cannot be read: {' '.join(str(err).split())}"
         if canonicalize_name(wanted.name) != CORE or (wanted.marker is not None and not wanted.marker.evaluate()):
             continue
-        here = version(CORE)
-        if not wanted.specifier.contains(here, prereleases=True):
-            return f"it requires lbr {wanted.specifier}, and this is lbr {here}: install versions that go together"
+        if not wanted.specifier.contains(version(), prereleases=True):
+            return f"it requires lbr {wanted.specifier}, and this is lbr {version()}: install versions that go together"
     return ""
+
+
+@cache
+def version() -> str:
+    """Return the installed version of lbr."""
+    folder = next(folder for name, folder, _ in _metadata() if name == CORE)
+    return _described(folder)[0].rpartition(" ")[2]
 
 
 def load(value: str) -> Any:

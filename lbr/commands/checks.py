@@ -86,7 +86,7 @@ def _packages() -> Iterator[Finding]:
     if missing:
         yield Finding(about="packages", level="bad", text=f"missing: {', '.join(missing)}", do="pip install lbr")
     else:
-        yield Finding(about="packages", level="good", text=f"lbr {metadata.version('lbr')} and all that it needs")
+        yield Finding(about="packages", level="good", text=f"lbr {plugins.version()} and all that it needs")
 
 
 def _robots() -> Iterator[Finding]:

@@ -10,7 +10,7 @@ import string
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
-from importlib import metadata, resources
+from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Literal
@@ -67,7 +67,7 @@ def files(template: What, name: str) -> Iterator[tuple[Path, str]]:
         "name": plain(name),
         "dash": name.replace("_", "-"),
         "Class": "".join(part.capitalize() for part in plain(name).split("_")),
-        "requires": _required(metadata.version("lbr")),
+        "requires": _required(plugins.version()),
     }
     folder = resources.files("lbr.commands") / "templates" / "new"
     templates = dict(_templates(folder / BASES[template])) if template in BASES else {}

@@ -6,11 +6,12 @@ import pwd
 import re
 import sys
 from contextlib import suppress
-from importlib import metadata, resources
+from importlib import resources
 from pathlib import Path
 
 from msgspec import Struct
 
+from lbr import plugins
 from lbr.errors import InputError
 from lbr.executive.planning import profile as profiles
 
@@ -130,8 +131,7 @@ def instance_of(profile: str) -> tuple[str, Path | None]:
 def stamped(text: str, comment: str = "#") -> str:
     """Add a head to a file that later shows whether it was edited."""
     digest = hashlib.sha256(text.encode()).hexdigest()
-    version = metadata.version("lbr")
-    return f"{comment} Written by 'lbr service install', version {version}; sha256 of the lines below: {digest}\n{text}"
+    return f"{comment} Written by 'lbr service install', version {plugins.version()}; sha256 of the lines below: {digest}\n{text}"
 
 
 def is_pristine(text: str) -> bool:

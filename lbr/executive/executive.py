@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from msgspec import Raw
 
-from lbr import home
+from lbr import home, plugins
 from lbr.bus import keys, session, wire
 from lbr.bus.access import TOOLS
 from lbr.database.store import Database
@@ -36,7 +36,6 @@ from lbr.executive.processes.mainthread import MainThread
 from lbr.executive.processes.plugging import Plugging
 from lbr.executive.processes.reaper import Reaper
 from lbr.executive.processes.robot_processes import RobotProcesses
-from lbr.executive.remote import host_protocol
 from lbr.executive.remote.remote_hosts import RemoteHosts
 from lbr.executive.service import terminal
 from lbr.executive.service.console_service import ConsoleService
@@ -152,7 +151,7 @@ def compose(
     presence = wire.Presence(bus, robot, lambda _name, _alive: main.wake())
     hosts = RemoteHosts(
         {name: served(keys.host(robot, name)) for name in profile.hosts},
-        version=host_protocol.version(),
+        version=plugins.version(),
         happened=journal.happened,
         learnt=learnt,
         begun=begun,

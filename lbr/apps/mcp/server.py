@@ -5,7 +5,6 @@ import base64
 import secrets
 from collections.abc import Awaitable, Callable, Coroutine
 from contextlib import suppress
-from importlib.metadata import version
 from typing import TypeAlias
 
 import mcp_types as types
@@ -14,6 +13,7 @@ from mcp.server.lowlevel import Server
 from mcp.shared.exceptions import MCPError
 from mcp_types.version import MODERN_PROTOCOL_VERSIONS
 
+from lbr import plugins
 from lbr.apps.mcp.agent import Agent, MustAskError, Outcome, Way, encoded, refused
 from lbr.apps.mcp.motion import Motion, Pulse
 from lbr.apps.mcp.tools import TOOLS, Known, Tool
@@ -76,7 +76,7 @@ class McpServer:
         self._questions: dict[str, tuple[str, object]] = {}
         self.sdk: Server[object] = Server(
             "lbr",
-            version=version("lbr"),
+            version=plugins.version(),
             title="lbr robot",
             instructions=INSTRUCTIONS,
             on_list_tools=self._list_tools,

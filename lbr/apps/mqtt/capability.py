@@ -5,12 +5,12 @@ who requested it could not stop it any more.
 """
 
 from contextlib import suppress
-from importlib.metadata import version
 from math import inf
 from typing import NamedTuple
 
 import msgspec
 
+from lbr import plugins
 from lbr.apps.mqtt import discovery, report, words
 from lbr.apps.mqtt.echo import Echo
 from lbr.apps.mqtt.kind import MqttSettings
@@ -216,7 +216,7 @@ class Mqtt(Capability[MqttSettings]):
                 self.ctx.settings.report,
                 self.ctx.settings.words,
                 picture=bool(self.ctx.sources("frames")),
-                version=version("lbr"),
+                version=plugins.version(),
             )
             key = f"{home_assistant.prefix}/device/lbr_{self.ctx.robot}/config"
             session.publish(Outgoing(key, msgspec.json.encode(device), retain=True))

@@ -4,13 +4,12 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from importlib.metadata import version
 from urllib.parse import urlsplit
 
 import msgspec
 from msgspec.structs import replace
 
-from lbr import home
+from lbr import home, plugins
 from lbr.apps.http import names
 from lbr.apps.registry import asking
 from lbr.apps.registry.book import Entry
@@ -137,7 +136,7 @@ class Registrar(Capability[RegistrarSettings]):
         ]
         return Entry(
             robot=self.ctx.robot,
-            version=version("lbr"),
+            version=plugins.version(),
             urls=tuple(urls[:MOST_URLS]),
             endpoints=settings.endpoints,
             every_s=settings.every_s,

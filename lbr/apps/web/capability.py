@@ -3,11 +3,10 @@
 import socket
 import sys
 from contextlib import suppress
-from importlib.metadata import version
 
 from starlette.types import ASGIApp
 
-from lbr import home
+from lbr import home, plugins
 from lbr.apps.http import names
 from lbr.apps.http.pages import ANY, Pages
 from lbr.apps.http.turns import Turns
@@ -145,7 +144,7 @@ class Web(Capability[WebSettings]):
         return opened(self.ctx)
 
     def _application(self) -> ASGIApp:
-        self._api = api = Api(self._robot, self._open_bus(), version("lbr"))
+        self._api = api = Api(self._robot, self._open_bus(), plugins.version())
         settings, place = self.ctx.settings, self._front.place
         pages, states = Pages(settings.cors), States(self.ctx.robot)
         login = Login(self._sessions, f"lbr_web_{place.port}", tls=place.tls)
@@ -158,7 +157,7 @@ class Web(Capability[WebSettings]):
         parts = builtin, login, PairingRoutes(self._robot, access, login), Handover(api), Managing(api), Requests(api)
         routes = [route for part in parts for route in declared(part)]
         routes += self._faces.open(routes)
-        builtin.describe(routes, version("lbr"))
+        builtin.describe(routes, plugins.version())
         if settings.announce and not self._front.is_loopback:
             name = f"{self.ctx.robot} on {socket.gethostname()}"[:56]
             self._announcer = Announcer(name, place.port, place.look, self._announced)

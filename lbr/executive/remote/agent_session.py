@@ -9,7 +9,7 @@ from pathlib import Path
 from msgspec import Raw
 from msgspec.structs import replace
 
-from lbr import home
+from lbr import home, plugins
 from lbr.bus import keys, wire
 from lbr.bus.codec import Decoder
 from lbr.bus.links import Links
@@ -71,7 +71,7 @@ class AgentSession:
         self._say = say
         self._source = f"agent {host}"
         self._home = str(home.home())
-        self._version = host_protocol.version()
+        self._version = plugins.version()
         self._mark = ""
         self._placed: dict[str, Placed] = {}
         self._events: deque[Event] = deque(maxlen=MOST_WAITING)

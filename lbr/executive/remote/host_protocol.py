@@ -1,7 +1,6 @@
 """The messages between the executive and the agent on another machine: a report, answered with the share."""
 
 from hashlib import blake2b
-from importlib import metadata
 
 import msgspec
 from msgspec import Raw, Struct
@@ -61,11 +60,6 @@ class HostShare(Struct, frozen=True, kw_only=True):
     ended: bool = False
     share: str = ""
     units: tuple[Placed, ...] | None = None
-
-
-def version() -> str:
-    """Return the version of lbr, which must be the same at both ends."""
-    return metadata.version("lbr")
 
 
 def mark(units: tuple[Placed, ...]) -> str:

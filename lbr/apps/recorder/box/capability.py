@@ -3,11 +3,11 @@
 import fnmatch
 import time
 from collections import deque
-from importlib.metadata import version
 from pathlib import Path
 
 from msgspec import Raw, Struct
 
+from lbr import plugins
 from lbr.apps.recorder.box.clock import Clock
 from lbr.apps.recorder.box.disk import Bounds, Chunk, Disk
 from lbr.apps.recorder.box.inbox import ALL_ROWS, EVENT, LINES, STATUS, Arrival, Inbox, line
@@ -110,7 +110,7 @@ class Box(Capability[BoxSettings]):
         self._keeping = Keeping(settings.before_s, settings.after_s)
         self._shelf = Shelf(Path(ctx.home), ctx.robot)
         self._past = Past(ctx, self._shelf)
-        self._library = f"lbr {version('lbr')}"
+        self._library = f"lbr {plugins.version()}"
         self._latest: dict[str, Arrival] = {}
         self._events: deque[Arrival] = deque(maxlen=EVENTS)
         self._streams: RecordedStreams | None = None
@@ -255,7 +255,7 @@ class Box(Capability[BoxSettings]):
     def _about(self) -> dict[str, str]:
         facts = {
             "robot": self.ctx.robot,
-            "lbr": version("lbr"),
+            "lbr": plugins.version(),
             "format": FORMAT,
             "boot": stamp.boot_id(),
             "offset_ns": str(self._clock.offset_ns),

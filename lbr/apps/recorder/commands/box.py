@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable, Iterator
 from fnmatch import fnmatchcase
-from importlib import metadata
 from pathlib import Path
 from typing import TypeVar
 
@@ -11,7 +10,7 @@ import click
 from msgspec import Struct
 from msgspec.structs import asdict
 
-from lbr import home
+from lbr import home, plugins
 from lbr.apps.recorder.commands.completing import complete_recording
 from lbr.apps.recorder.recording import export as exports
 from lbr.apps.recorder.recording import selection, shelf, times
@@ -156,7 +155,7 @@ def export(
         return (one for one in there if not topics or any(fnmatchcase(one.topic, pattern) for pattern in topics))
 
     if mcap is not None:
-        count = exports.to_mcap(mcap, wanted(count=True), f"lbr {metadata.version('lbr')}")
+        count = exports.to_mcap(mcap, wanted(count=True), f"lbr {plugins.version()}")
     else:
         count = sum(exports.to_csv(target, wanted).values())
     if not count:
