@@ -5,7 +5,6 @@ import platform
 import resource
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -165,23 +164,6 @@ def test_a_robot_with_nowhere_to_print_runs_and_tells_of_it(tmp_path):
     finally:
         popen.terminate()
         assert popen.wait(HANG_S) == 0
-
-
-def test_commands_that_talk_to_a_robot_say_that_they_cannot_print(tmp_path):
-    with robots.running(robots.prepare(tmp_path / "h")) as robot:
-        for command in (["status"], ["send", "/r/0.1/90", "--hold", "9"], ["console"]):
-            with Path("/dev/full").open("w") as full:
-                done = programs.run(
-                    [*robots.LBR, *command],
-                    env=robots.environment(robot.home),
-                    input=b"s\n",
-                    stdout=full,
-                    stderr=subprocess.PIPE,
-                    timeout=8,  # less than what it would hold
-                    check=False,
-                )
-            assert done.returncode == 1
-            assert done.stderr.startswith(b"lbr: standard output cannot be written")
 
 
 def test_a_user_who_may_start_too_few_threads_for_a_robot_reads_the_limit_and_root_has_none(monkeypatch):

@@ -9,6 +9,7 @@ import termios
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 
@@ -251,3 +252,19 @@ def test_the_ready_line_holds_up_no_robot(tmp_path):
         popen.kill()
         popen.wait()
         os.close(reader)
+
+
+def test_commands_that_talk_to_a_robot_say_that_they_cannot_print(robot):
+    for command in (["status"], ["send", "/r/0.1/90", "--hold", "9"], ["console"]):
+        with Path("/dev/full").open("w") as full:
+            done = programs.run(
+                [*LBR, *command],
+                env=environment(robot.home),
+                input=b"s\n",
+                stdout=full,
+                stderr=subprocess.PIPE,
+                timeout=8,  # less than what it would hold
+                check=False,
+            )
+        assert done.returncode == 1
+        assert done.stderr.startswith(b"lbr: standard output cannot be written")

@@ -3,9 +3,7 @@
 Ready is a promise; where the first motion would not be obeyed, the ready line says why.
 """
 
-import json
 import threading
-import urllib.request
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -15,7 +13,7 @@ import pytest
 from lbr.testing.robot import NoAnswerError
 from tests.scenarios.first_command import FIRST, asked_at_ready
 from tests.support.robot import Robot, prepare, running
-from tests.support.waiting import HANG_S, until
+from tests.support.waiting import until
 
 MOTIONS = {
     "lbr": ("stop", "/r/0.3/0"),
@@ -65,17 +63,6 @@ def test_the_emergency_stop_is_acknowledged_at_rest_and_in_mid_motion(asked: tup
     keeping.join()
     kinds = [event["kind"] for event in robot.events() if event["kind"].startswith("estop")]
     assert kinds == ["estop", "estop_acknowledged", "estop_reset"] * 2
-
-
-@pytest.mark.timeout(60)
-def test_the_api_says_of_an_emergency_stop_what_the_console_does(tmp_path: Path) -> None:
-    with running(prepare(tmp_path / "h"), profile="uxa90-sim") as robot:
-        request = urllib.request.Request(f"{robot.web}/estop", method="POST")
-        with urllib.request.urlopen(request, timeout=HANG_S) as answer:
-            text = json.load(answer)["message"]
-        assert text.startswith("emergency stop: ")
-        until(lambda: not robot.ask("@estop")["waiting"], what="it is acknowledged")
-        assert robot.line("estop")["text"] == robot.status()["estop"]["text"]
 
 
 def acknowledged(robot: Robot) -> None:

@@ -1,6 +1,7 @@
 """What becomes of a move when the server that wanted it dies, and of the server's clients."""
 
 import http.client
+import json
 import math
 import os
 import signal
@@ -72,7 +73,10 @@ def test_a_server_that_is_killed_in_the_middle_of_a_move_leaves_the_joint_where_
         until(lambda: robot.capability("web")["restarts"] == 1 and robot.capability("web")["phase"] == "ready")
         assert until(lambda: ask(robot.web, "GET", "/")) == (200, b"OK")
         assert goal() == pytest.approx(held, abs=0.02), "it went on by itself"
-        assert until(lambda: b'"noticed":true' in ask(robot.web, "POST", "/estop")[1])
+        said = json.loads(until(lambda: b'"noticed":true' in (told := ask(robot.web, "POST", "/estop")[1]) and told))
+        assert said["message"].startswith("emergency stop: ")
+        until(lambda: not robot.ask("@estop")["waiting"], what="it is acknowledged")
+        assert robot.line("estop")["text"] == robot.status()["estop"]["text"]
         assert ask(robot.web, "GET", "/motor?id=23&pos=100")[0] == 409
         assert until(lambda: ask(robot.web, "POST", "/estop/reset")[0] == 200)
         assert robot.status()["estop"]["engaged"] is False
