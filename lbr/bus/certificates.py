@@ -1,4 +1,4 @@
-"""The certificate that identifies a robot on every encrypted connection: self-signed, recognised by its fingerprint."""
+"""A robot's certificate for its TLS links: self-signed, known to clients by its fingerprint."""
 
 import datetime as dt
 import socket
@@ -8,7 +8,7 @@ from pathlib import Path
 from lbr.errors import InputError
 
 NAME = "robot.lbr"
-"""The host name in every robot's certificate; its fingerprint identifies the robot."""
+"""The host name in all robots' certificates; the fingerprint is the robot's own."""
 VALID = (dt.datetime(1970, 1, 1, tzinfo=dt.UTC), dt.datetime(9999, 12, 31, 23, 59, 59, tzinfo=dt.UTC))
 """For ever (RFC 5280, 4.1.2.5).
 

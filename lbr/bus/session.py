@@ -61,7 +61,7 @@ MOST_SESSIONS = 1000
 FILES_A_SESSION, FILES_A_PENDING = 4, 16
 """A router holds no more than its share of the files that its process may open. With hundreds of connections to two
 routers, the executive can still answer, start and write. The library accepts in one thread and refuses in another, and
-nothing bounds the queue between them. On a busy machine all new connections may be open for some milliseconds."""
+nothing bounds the queue between them. On a busy machine new connections may stay open for some milliseconds."""
 
 
 class Tls(Struct, frozen=True, kw_only=True):

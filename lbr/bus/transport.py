@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Feed: TypeAlias = "wire.Subscription | wire.PolledSubscription | MemoryFeed"
 Transport: TypeAlias = "ZenohTransport | MemoryTransport"
 BORROWED_TRIES, BORROWED_S = 50, 0.001
-"""Another thread uses a declaration for microseconds."""
+"""A thread that uses a declaration has done so within microseconds."""
 
 
 class Question(Protocol):

@@ -60,7 +60,7 @@ def _misfit(where: str, value: Any, hint: Any) -> Iterator[str]:
 
 
 def _fits(value: Any, origin: Any, options: tuple[Any, ...]) -> bool:
-    """Return whether a value fits an annotation, without its elements."""
+    """Return whether a value itself fits an annotation; its elements are not looked at."""
     if origin is Literal:
         return isinstance(value, str) and value in options
     if origin is type:

@@ -153,7 +153,7 @@ def prepare(kinds: Collection[str]) -> None:
 
 
 def main() -> None:
-    """Serve; later garbage collections skip the imported modules."""
+    """Serve. Garbage collections leave the imported modules alone from now on."""
     for number in IGNORED:
         signal.signal(number, signal.SIG_IGN)
     prepare(sys.argv[2].split(","))

@@ -16,7 +16,7 @@ from lbr.messages.taped import Taped, TapedCommand, TapedLine
 
 SEND_S = 0.2
 MOST_COMMANDS = 1000
-"""Between two messages; more than a capability answers."""
+"""The most commands between two messages to the recorder; no capability answers so many."""
 
 
 class Tape:

@@ -93,7 +93,7 @@ def speech() -> Iterator[Finding]:
 
 
 def emulated() -> Iterator[Finding]:
-    """Report packages whose twins of devices are unusable; other robots are unaffected."""
+    """Report packages whose twins cannot be used; robots without these devices run."""
     wrong = list(twins.refused())
     for device_type in twins.names():
         try:

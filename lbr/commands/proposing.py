@@ -114,7 +114,7 @@ def _added(
 
 
 def _waiting(kind: Kind, rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[str]:
-    """Yield the disabled capabilities that name a capability of this kind as their required source."""
+    """Yield the disabled capabilities whose rows need a capability of this kind."""
     for row in rows.capabilities:
         theirs = kinds.get(row.kind)
         if theirs is None or row.enabled:

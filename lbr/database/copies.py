@@ -68,7 +68,7 @@ def look(path: Path, number: int = 0, *, digested: bool = True) -> Copy:
 
 
 def refuse_if_lost(path: Path) -> None:
-    """Raise InputError if a missing database existed before: a new one would be another robot."""
+    """Raise InputError if the database is gone but has copies: a new one would not be this robot."""
     if any(_name(path, number).exists() for number in range(1, GENERATIONS + 1)):
         text = "but copies of it are: `lbr db restore` puts the last good one in its place, `lbr db init` starts over"
         raise InputError(f"database {path} is not there any more, {text}")

@@ -40,7 +40,7 @@ def bring_up_to_date(connection: Connection, path: Path) -> Path | None:
 
 
 def backup(connection: Connection, path: Path, stamp: str) -> Path:
-    """Copy the whole database beside itself, readable only by its owner, never over an earlier copy."""
+    """Copy the whole database to a new file beside it that only its owner may read."""
     target = _new_file(path, stamp)
     with ExitStack() as failed:
         failed.callback(target.unlink)

@@ -152,7 +152,7 @@ def _read(bus: Bus, address: int, handshake: I2cHandshake) -> Seen | None:
 
 
 def hung() -> list[str]:
-    """Return sentences about recognitions of packages that did not return; they judge no device any more."""
+    """Return a sentence for each hung handshake of a package; it judges no more devices."""
     return sorted(
         f"{_name(judge)} has not returned within {JUDGED_S:g} s, and recognises nothing here" for judge in _HUNG
     )

@@ -46,7 +46,7 @@ class Decision(Struct, frozen=True):
 def decide(policy: str, end: End, deaths: tuple[float, ...], now: float, jitter: float) -> Decision:
     """Decide what follows an end. `deaths` are earlier ends within the window, `jitter` is -1 to 1.
 
-    0. It ended only because another capability ended their process: restart at once.
+    0. A fault of a neighbour ended the process that they share: restart at once.
     1. Policy `never`: it stays down. 2. Policy `on-failure` and a clean end: it stays down. 3. More than five ends
     within 30 s: give up until an operator acts. 4. Otherwise restart after 0.1 s, doubled for each recent end, at most
     5 s, 20 % jitter either way. A minute of health forgets the past (the caller drops old deaths).

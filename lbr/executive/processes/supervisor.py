@@ -36,7 +36,7 @@ HEARTBEATS_S = 0.1
 LOAD_S, BUSY_SHARE = 3.0, 0.4
 """A process whose main thread waited for this share of the time is late with everything; a start delays others less."""
 SETTLING_S = 2.5
-"""Until then after its first report, a degraded capability is not reported: the reason may disappear by itself."""
+"""A capability that is degraded at its start is reported after this time: the reason may go away by itself."""
 RUNNING = frozenset({"ready", "degraded"})
 HELD = frozenset({"stopped", "failed"})
 BEGINS = frozenset({"not_ready", "not_armed"})

@@ -72,7 +72,7 @@ def _capability(plan: Plan, unit: ProcessSpec) -> CapabilityDescription:
 
 
 def _published(plan: Plan, unit: ProcessSpec) -> list[str]:
-    """Return the outputs under the capability's own name; a setpoint is published under another's."""
+    """Return the outputs whose key has the capability's own name; a setpoint goes to the key of its driver."""
     wires = unit.config.outputs.items()
     return [name for name, keyed in wires if keys.port(plan.robot, unit.name, name) in {wire.key for wire in keyed}]
 
