@@ -22,6 +22,7 @@ from lbr.errors import InputError
 from lbr.executive.planning import credentials
 from lbr.executive.service import latch
 from tests.support import needs, programs
+from tests.support.waiting import HANG_S
 
 STRANGER = 4321
 AS_ROOT = needs.root("can act as somebody else")
@@ -199,7 +200,8 @@ def test_every_command_refuses_a_strangers_log(shared, tmp_path, monkeypatch, wo
     log = shared / "robot.db-wal"
     assert not as_a_stranger(f"echo edits > {log}").returncode
     done = programs.run(
-        [sys.executable, "-m", "lbr.start", *words, str(shared / "robot.db")], capture_output=True, text=True, timeout=9,
+        [sys.executable, "-m", "lbr.start", *words, str(shared / "robot.db")], capture_output=True, text=True,
+        timeout=HANG_S,
         check=False,
     )  # fmt: skip
     assert done.returncode == 2

@@ -12,6 +12,7 @@ from lbr.errors import LbrError
 from lbr.robot import registry as robots
 from tests.support import programs
 from tests.support.packages import imported_from, package
+from tests.support.waiting import HANG_S
 
 
 def kind(name, folder):
@@ -120,7 +121,7 @@ def test_a_thread_that_a_package_leaves_behind_keeps_no_program_from_its_end(sit
     program = "from lbr import plugins; print(plugins.find('kinds', 'crab').load())"
     env = {**os.environ, "PYTHONPATH": os.pathsep.join((str(site), *filter(None, sys.path)))}
     assert (
-        programs.run([sys.executable, "-c", program], env=env, capture_output=True, text=True, timeout=8).stdout
+        programs.run([sys.executable, "-c", program], env=env, capture_output=True, text=True, timeout=HANG_S).stdout
         == "1\n"
     )
 

@@ -15,6 +15,7 @@ import pytest
 from lbr import cli
 from tests.support import databases, programs
 from tests.support.robot import LBR, environment
+from tests.support.waiting import HANG_S
 
 RUBBISH = [
     "\udc80\udcff",
@@ -299,7 +300,7 @@ def run_with(home: Path, streams: str, *arguments: str) -> tuple[int, str]:
         env=environment(home),
         capture_output=True,
         text=True,
-        timeout=9,
+        timeout=HANG_S,
     )
     return done.returncode, done.stdout + done.stderr
 
@@ -321,7 +322,7 @@ def test_a_reader_that_is_gone_ends_it_quietly(home, arguments):
     reading, writing = os.pipe()
     os.close(reading)
     with closing(os.fdopen(writing, "wb")) as gone:
-        done = programs.run([*LBR, *arguments], env=environment(home), stdout=gone, stderr=-1, timeout=9)
+        done = programs.run([*LBR, *arguments], env=environment(home), stdout=gone, stderr=-1, timeout=HANG_S)
     assert done.returncode in {0, 1}
     assert b"Traceback" not in done.stderr
 

@@ -13,6 +13,7 @@ from lbr.commands import placing, service, service_checks, unitfiles
 from lbr.commands.unitfiles import RULES, SYSUSERS, UNIT, Site
 from lbr.errors import InputError
 from tests.support import needs, programs
+from tests.support.waiting import HANG_S
 
 EXPOSURE_TENTHS = 25
 SITE = Site(program=(str(Path(sys.prefix) / "bin" / "lbr"),), groups=("dialout", "video", "i2c"))
@@ -46,7 +47,7 @@ def unit(tmp_path: Path) -> Path:
 @analyze
 def test_systemd_understands_the_unit_without_a_word(unit):
     done = programs.run(
-        ["systemd-analyze", "verify", "--man=no", unit], capture_output=True, text=True, check=False, timeout=9
+        ["systemd-analyze", "verify", "--man=no", unit], capture_output=True, text=True, check=False, timeout=HANG_S
     )
     said = [line for line in done.stderr.splitlines() if unit.name in line]
     assert (done.returncode, said) == (0, [])
@@ -55,7 +56,7 @@ def test_systemd_understands_the_unit_without_a_word(unit):
 @analyze
 def test_the_unit_exposes_little(unit):
     words = ["systemd-analyze", "security", "--offline=yes", f"--threshold={EXPOSURE_TENTHS}", "--no-pager", unit]
-    done = programs.run(words, capture_output=True, text=True, check=False, timeout=9)
+    done = programs.run(words, capture_output=True, text=True, check=False, timeout=HANG_S)
     if "unrecognized option" in done.stderr:
         pytest.skip("this systemd-analyze knows no --offline")
     assert done.returncode == 0, done.stdout[-300:]

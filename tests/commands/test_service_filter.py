@@ -12,7 +12,7 @@ import pytest
 from lbr.commands import unitfiles
 from lbr.commands.unitfiles import RELAY_UNIT, UNIT, Extras, Site
 from tests.support import programs, robot
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 SITE = Site(program=(str(Path(sys.prefix) / "bin" / "lbr"),), groups=("tty",))
 FILTERED = Path(__file__).with_name("under_filter.py")
@@ -58,7 +58,7 @@ def calls(files: dict[str, str]) -> str:
 
 def filtered(calls: str, *program: str) -> "subprocess.CompletedProcess[str]":
     words = [sys.executable, str(FILTERED), calls, *program]
-    return programs.run(words, capture_output=True, text=True, check=False, timeout=9)
+    return programs.run(words, capture_output=True, text=True, check=False, timeout=HANG_S)
 
 
 def test_the_filter_is_at_work(calls):

@@ -14,6 +14,7 @@ from lbr.commands.unitfiles import POLKIT, RELAY_DROP_IN, RELAY_UNIT, RULES, SYS
 from lbr.drivers.pico import relay
 from lbr.errors import InputError
 from tests.support import databases, needs, programs
+from tests.support.waiting import HANG_S
 
 SITE = Site(program=(str(Path(sys.prefix) / "bin" / "lbr"),), groups=("tty",))
 BOTH = Extras(power_off=True, motor_relay="i2c:1:0x69")
@@ -71,7 +72,7 @@ def test_the_rule_decides_so():
     var polkit = {{addRule: function (rule) {{ rules.push(rule); }}, Result: {{YES: "yes", NOT_HANDLED: "next"}}}};
     {text}
     {json.dumps(asked)}.forEach(function (one) {{ console.log(rules[0]({{id: one[1]}}, {{user: one[0]}})); }});"""
-    done = programs.run(["node", "-e", script], capture_output=True, text=True, check=True, timeout=9)
+    done = programs.run(["node", "-e", script], capture_output=True, text=True, check=True, timeout=HANG_S)
     assert done.stdout.split() == list(cases.values())
 
 
@@ -91,11 +92,11 @@ def test_systemd_understands_the_relays_unit_and_it_exposes_little(tmp_path):
     unit = tmp_path / "lbr-motor-relay.service"
     unit.write_text(files()[RELAY_UNIT])
     done = programs.run(
-        ["systemd-analyze", "verify", "--man=no", unit], capture_output=True, text=True, check=False, timeout=9
+        ["systemd-analyze", "verify", "--man=no", unit], capture_output=True, text=True, check=False, timeout=HANG_S
     )
     assert (done.returncode, [line for line in done.stderr.splitlines() if unit.name in line]) == (0, [])
     words = ["systemd-analyze", "security", "--offline=yes", f"--threshold={EXPOSURE_TENTHS}", "--no-pager", unit]
-    done = programs.run(words, capture_output=True, text=True, check=False, timeout=9)
+    done = programs.run(words, capture_output=True, text=True, check=False, timeout=HANG_S)
     if "unrecognized option" not in done.stderr:
         assert done.returncode == 0, done.stdout[-300:]
 

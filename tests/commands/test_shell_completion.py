@@ -8,6 +8,7 @@ import pytest
 
 from tests.support import programs
 from tests.support.robot import LBR, environment, prepare, running
+from tests.support.waiting import HANG_S
 
 ROOT = Path(__file__).resolve().parents[2]
 TAB = """
@@ -24,7 +25,7 @@ def tab(home: Path, *words: str) -> list[str]:
     """Return what bash offers after these words; the last is the one that is begun."""
     path = f"{Path(sys.executable).parent}:/usr/bin:/bin"
     command = ["bash", "-c", TAB, "bash", "lbr", *words]
-    done = programs.run(command, env=environment(home) | {"PATH": path}, capture_output=True, text=True, timeout=9)
+    done = programs.run(command, env=environment(home) | {"PATH": path}, capture_output=True, text=True, timeout=HANG_S)
     assert done.stderr == ""
     return done.stdout.split()
 

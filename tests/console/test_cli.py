@@ -10,6 +10,7 @@ import pytest
 
 from lbr import cli
 from tests.support import programs
+from tests.support.waiting import HANG_S
 
 LBR = Path(sys.executable).with_name("lbr")
 
@@ -19,7 +20,13 @@ def lbr(tmp_path):
     def run(*arguments: str, **options) -> "subprocess.CompletedProcess[str]":
         environment = os.environ | {"LBR_HOME": str(tmp_path / "home")}
         return programs.run(
-            [str(LBR), *arguments], env=environment, capture_output=True, text=True, timeout=9, check=False, **options
+            [str(LBR), *arguments],
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=HANG_S,
+            check=False,
+            **options,
         )
 
     return run
@@ -135,14 +142,16 @@ def test_the_doctor_runs_without_a_robot(lbr):
 
 
 def test_a_reader_that_leaves_early_is_no_error(lbr):
-    done = programs.run(["sh", "-c", f"{LBR} --help | true"], capture_output=True, text=True, timeout=9, check=False)
+    done = programs.run(
+        ["sh", "-c", f"{LBR} --help | true"], capture_output=True, text=True, timeout=HANG_S, check=False
+    )
     assert done.stderr == ""
 
 
 def test_starting_is_light():
     heavy = ["sqlalchemy", "mujoco", "numpy", "prompt_toolkit", "rich", "zenoh", "lbr.executive"]
     code = f"import sys, lbr.cli; print([name for name in {heavy} if name in sys.modules])"
-    done = programs.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=9, check=True)
+    done = programs.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=HANG_S, check=True)
     assert done.stdout.strip() == "[]"
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.support import programs
+from tests.support.waiting import HANG_S
 
 SCRIPT = Path(__file__).parents[2] / "docs" / "examples" / "drive_with_plain_zenoh.py"
 
@@ -18,7 +19,7 @@ def run(home: Path, *arguments: str) -> str:
         env=os.environ | {"LBR_HOME": str(home)},
         capture_output=True,
         text=True,
-        timeout=9,
+        timeout=HANG_S,
         check=False,
     )
     assert done.returncode == 1

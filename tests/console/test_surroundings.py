@@ -30,7 +30,7 @@ def shell(tmp_path):
             stdin=subprocess.DEVNULL,
             capture_output=True,
             text=True,
-            timeout=9,
+            timeout=HANG_S,
             check=False,
         )  # fmt: skip
         return done.returncode, done.stderr.splitlines()
@@ -79,7 +79,7 @@ def test_soft_limits_are_no_obstacle(shell):
 def test_what_prints_nothing_needs_no_output():
     code = "from lbr import surroundings as s; s.plug_streams(); exit(bool(s.output_failure()))"
     line = f"{sys.executable} -c '{code}' >&- <&- 2>&-"
-    assert programs.run(["bash", "-c", line], timeout=9, check=False).returncode == 0
+    assert programs.run(["bash", "-c", line], timeout=HANG_S, check=False).returncode == 0
 
 
 @pytest.mark.parametrize(
@@ -138,7 +138,7 @@ libc.fflush(out)
 
 def heaps(path, *, bound):
     """Return how many heaps six threads at once have made."""
-    programs.run([sys.executable, "-c", HEAPS.format(path=path, bound=bound)], check=True, timeout=9)
+    programs.run([sys.executable, "-c", HEAPS.format(path=path, bound=bound)], check=True, timeout=HANG_S)
     return path.read_text().count("<heap nr=")
 
 

@@ -19,7 +19,7 @@ from tests.docs.pages import ROOT
 from tests.docs.ready import measured
 from tests.support import programs
 from tests.support.robot import Robot, prepare, running
-from tests.support.waiting import STOPS_S, until
+from tests.support.waiting import HANG_S, STOPS_S, until
 
 EXAMPLES = ROOT / "docs" / "examples"
 SCRIPT = EXAMPLES / "drive_with_plain_zenoh.py"
@@ -61,7 +61,7 @@ def drive_elsewhere(endpoint: str, *prefix: str, seconds: str = "1.0") -> "subpr
         env=environment,
         capture_output=True,
         text=True,
-        timeout=9,
+        timeout=HANG_S,
         check=False,
     )
 

@@ -13,7 +13,7 @@ from lbr.executive.processes.readiness import LONGEST_TEXT, readiness
 from lbr.messages.system import CapabilityPhase, CapabilityStatus
 from tests.support import programs
 from tests.support.robot import LBR, environment, prepare, running
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 BROKEN = """
 from lbr.capability import Capability, Kind, NoSettings
@@ -117,7 +117,7 @@ def test_a_simulation_without_its_extra_is_refused_in_one_line_before_anything_s
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
-        timeout=9.0,
+        timeout=HANG_S,
         check=False,
     )
     assert (ran.returncode, ran.stdout) == (2, "")

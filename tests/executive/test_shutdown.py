@@ -16,6 +16,7 @@ from lbr.cli import INTERRUPTED
 from lbr.executive.shutdown import FORCED, Shutdown
 from tests.support import programs
 from tests.support.robot import environment, prepare, running
+from tests.support.waiting import HANG_S
 
 HANGS = """
 import os, signal, sys, threading
@@ -60,7 +61,7 @@ def test_a_ctrl_c_that_was_lost_while_a_robot_was_loaded_ends_it_before_it_start
         env=environment(home),
         stdin=subprocess.DEVNULL,
         capture_output=True,
-        timeout=9,
+        timeout=HANG_S,
         check=False,
     )
     assert (done.returncode, done.stdout, done.stderr.strip()) == (INTERRUPTED, b"", b"")

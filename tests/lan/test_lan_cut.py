@@ -12,7 +12,7 @@ from tests.support import netns, programs
 from tests.support.door import Door
 from tests.support.netns import Network
 from tests.support.robot import running
-from tests.support.waiting import STOPS_S, until
+from tests.support.waiting import HANG_S, STOPS_S, until
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "drive_with_plain_zenoh.py"
 S8_S = 0.3
@@ -44,7 +44,7 @@ def test_our_tools_reach_the_robot_from_another_machine(far_door: Door):
 
 def test_the_example_drives_from_another_machine_by_its_file_alone(far_door: Door):
     command = [*far_door.elsewhere, sys.executable, str(EXAMPLE), str(far_door.file("phone")), "0.5"]
-    done = programs.run(command, capture_output=True, text=True, timeout=9, check=False)
+    done = programs.run(command, capture_output=True, text=True, timeout=HANG_S, check=False)
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[-1] == "stopped"
 

@@ -22,7 +22,7 @@ from lbr.executive.planning import credentials
 from tests.support import programs
 from tests.support.robot import LBR, Robot, free_port, running
 from tests.support.trace import Trace
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 PLAIN = Path(__file__).parent / "clients" / "at_a_door.py"
 ROLES = {"eye": "view", "phone": "operate", "boss": "admin"}
@@ -69,7 +69,7 @@ class Door:
             input=stdin,
             capture_output=True,
             text=True,
-            timeout=9,
+            timeout=HANG_S,
             check=False,
         )
 

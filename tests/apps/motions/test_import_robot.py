@@ -6,7 +6,7 @@ from lbr.robots.bioloid.mtn import Page
 from tests.support import programs
 from tests.support.old_data import BOW, motion_file
 from tests.support.robot import LBR, environment, lbr, only, prepare, running
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 HIP, LEANT_RAD = "left_hip_pitch", 1.0
 HUNG_UP = "UPDATE capability SET settings = json_set(settings, '$.stand', json('true')) WHERE kind = 'humanoid_world'"
@@ -28,5 +28,5 @@ def test_a_motion_that_is_taken_over_is_played_by_the_robot_that_runs(tmp_path):
         command = [*LBR, "send", "/play/bow"]
         with programs.start(command, env=environment(home), stdout=subprocess.PIPE, text=True) as playing:
             until(lambda: robot.ask("world/pose")["joints"][HIP] > LEANT_RAD, what="it bows")
-            out, _ = playing.communicate(timeout=9.0)
+            out, _ = playing.communicate(timeout=HANG_S)
         assert playing.returncode == 0, out

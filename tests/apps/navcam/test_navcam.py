@@ -368,7 +368,7 @@ def test_a_port_that_is_taken_is_told(cameras):
             env=environment(home.home()),
             capture_output=True,
             text=True,
-            timeout=9,
+            timeout=HANG_S,
             check=False,
         )
     assert done.returncode == 2
