@@ -214,6 +214,8 @@ class Vocabulary:
         changes = {verb.pattern.word for verb in self._verbs if verb.row.role == "admin"}
         close = exact or near(word.lstrip("/"), by_word.keys() - changes)
         hint = f"did you mean '{by_word[close[0]]}'? " if close else ""
+        if any(word == verb.row.target_end[0] for verb in self._verbs):
+            hint = f"'help {word}' lists the words of that part, "
         text = f"'{short(word)}' is not a word of this robot; {hint}'help' lists what can be said"
         return InputError(text, "unknown_command")
 

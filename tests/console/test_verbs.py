@@ -297,3 +297,10 @@ def test_a_word_that_changes_the_robot_is_never_proposed():
         Vocabulary([close]).parse("clear")
     assert refused.value.code == "unknown_command"
     assert "close" not in str(refused.value)
+
+
+def test_a_part_that_is_taken_for_a_word_is_told_where_its_words_are():
+    with pytest.raises(
+        InputError, match="'drive' is not a word of this robot; 'help drive' lists the words of that part"
+    ):
+        VOCABULARY.parse("drive")

@@ -292,11 +292,11 @@ class Dispatcher:
 
     def _help(self, call: VerbCall, _by: _Speaker) -> ConsoleResult:
         words = self._robot.vocabulary
-        word, entries = str(call.payload.get("word", "")), words.entries(choices(self._robot.plan, home.home()))
-        if not word:
+        entries = words.entries(choices(self._robot.plan, home.home()))
+        if not (word := str(call.payload.get("word", "")).strip("/")):
             return ConsoleResult(code=DONE, text=words.help(self._robot.plan.units), data=entries)
-        found = [entry for entry in entries if entry["word"] == word.strip("/")]
-        return ConsoleResult(code=DONE, text=words.tell(word.strip("/"), found), data=found)
+        found = [entry for entry in entries if word in {entry["word"], entry["target"].partition(".")[0]}]
+        return ConsoleResult(code=DONE, text=words.tell(word, found), data=found)
 
     def _shutdown(self, _call: VerbCall, by: _Speaker) -> ConsoleResult:
         self._robot.shutdown(by.source)
