@@ -1,5 +1,6 @@
 """Dance as a capability: leases the base, starts the song, moves at each beat, and ends with either of them."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -55,7 +56,9 @@ class Dance(Capability[DanceSettings]):
         self._publish_at = 0.0
 
     def open(self) -> None:
-        """Do nothing: nothing is needed before a dance begins."""
+        """Write the metronome's song, so that it can be played; without room on the disk, a dance reports it."""
+        with suppress(OSError):
+            metronome.ensure(self._music)
         self._publish_at = 0.0
 
     def step(self) -> None:
