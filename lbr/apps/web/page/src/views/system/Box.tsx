@@ -16,14 +16,14 @@ export function Box() {
 function Tools({ of }: { of: Capability }) {
   const state = useStream<BoxState>(`${of.name}/state`)?.message;
   const recording = Boolean(state?.recording);
-  const ask = async (name: string, message: unknown): Promise<void> => {
+  const ask = async (name: string, message: unknown, said = ""): Promise<void> => {
     const answer = await command(of.name, name, message, { quiet: true });
-    notice(answer.ok ? answer.data?.reason || t("box.done") : told(answer), answer.ok ? "good" : "warn");
+    notice(answer.ok ? said || answer.data?.reason || t("box.done") : told(answer), answer.ok ? "good" : "warn");
   };
   return (
     <div class="system-box" role="group" aria-label={t("box.title")}>
       <Button kind="quiet" icon="mark" onClick={() => void ask("mark", {})}>{t("box.mark")}</Button>
-      <Button kind={recording ? "danger" : "quiet"} icon={recording ? "pause" : "record"} onClick={() => void (recording ? ask("end", {}) : ask("record", { cameras: true }))}>
+      <Button kind={recording ? "danger" : "quiet"} icon={recording ? "pause" : "record"} onClick={() => void (recording ? ask("end", {}) : ask("record", { cameras: true }, t("box.records")))}>
         {recording ? t("box.end") : t("box.record")}
       </Button>
       {recording && <span class="muted num">{t("box.size", { size: number(state?.recording_mb ?? 0, 1) })}</span>}

@@ -6,6 +6,7 @@ import type { Capability, CameraState } from "../../messages";
 import { notice } from "../../notices";
 import { Badge, Button, Icon, Toggle } from "../../parts";
 import { capabilities, command, may } from "../../robot";
+import { save } from "../../saving";
 import { Picture, PREFIX, usePictureAge } from "../../stream";
 import { maybe, t } from "../../words";
 
@@ -22,7 +23,10 @@ function Camera({ of }: { of: Capability }) {
   const age = usePictureAge(state);
   const snapshot = async (): Promise<void> => {
     const answer = await command(of.name, "snapshot", {});
-    if (answer.ok) notice((answer.data as { path?: string } | null)?.path ?? t("cameras.kept"), "good");
+    if (!answer.ok) return;
+    notice(t("cameras.kept"), "good");
+    const picture = await fetch(`snapshot.jpg?camera=${encodeURIComponent(of.name.replace(PREFIX, ""))}`).catch(() => null);
+    if (picture?.ok) save(`${of.name}.jpg`, new Uint8Array(await picture.arrayBuffer()));
   };
   return (
     <section class="camera" aria-label={plain(of.name)}>
