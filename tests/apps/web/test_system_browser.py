@@ -135,7 +135,7 @@ def test_what_people_ask_for_first_is_saved_with_what_restarts_and_taken_back(pa
     kept.fill("0.37")
     expect(page.get_by_text("Restarts drive.")).to_be_visible(timeout=SLOWLY_MS)
     page.get_by_role("button", name="Save").click()
-    expect(page.get_by_text("Distance kept, left is saved")).to_be_visible(timeout=SLOWLY_MS)
+    expect(page.get_by_text("Saved: Distance kept, left")).to_be_visible(timeout=SLOWLY_MS)
     assert '"stop_m": 0.37' in setting(robot, "settings")
     page.get_by_role("button", name="Undo").click()
     expect(page.get_by_text("Taken back")).to_be_visible(timeout=SLOWLY_MS)

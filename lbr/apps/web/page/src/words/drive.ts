@@ -13,6 +13,7 @@ export const drive = {
   "drive.charging": ["charging", "lädt"],
   "drive.charges": ["On the charger", "An der Ladestation"],
   "drive.unwell": ["Not all is well", "Nicht alles ist in Ordnung"],
+  "drive.unwell.others": ["Not well: {names}", "Nicht in Ordnung: {names}"],
   "drive.run.failed": ["{table} did not succeed", "{table} ist nicht gelungen"],
   "drive.nearest": ["Nearest", "Nähe"],
   "drive.free": ["Free", "Frei"],

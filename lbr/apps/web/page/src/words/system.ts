@@ -97,7 +97,7 @@ export const system = {
   "rows.none": ["No such row", "Keine solche Zeile"],
   "rows.wait": ["One moment", "Einen Moment"],
   "rows.save": ["Save", "Sichern"],
-  "rows.saved": ["{name} is saved", "{name} ist gesichert"],
+  "rows.saved": ["Saved: {name}", "Gesichert: {name}"],
   "rows.delete": ["Delete", "Löschen"],
   "rows.delete.text": ["It is gone from the robot then; undo brings it back.", "Es ist dann vom Roboter weg; Rückgängig holt es zurück."],
   "rows.settings": ["Settings", "Einstellungen"],

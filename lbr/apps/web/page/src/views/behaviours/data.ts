@@ -1,8 +1,9 @@
 // Behaviours as the robot tells of them: its tables and what is wrong in them, their rows, and the run.
 import { nameLetters } from "../../format";
-import { fetchJson } from "../../robot";
+import { capabilities, fetchJson } from "../../robot";
 import type { Answer } from "../../access";
 import type { CommandReply } from "../../messages";
+import { rows as motions } from "../motions/data";
 import { table as rowsOf, type Reply, type Row, type RowChange } from "../system/manage";
 
 export interface Fault { step: number; line: number; column: string; text: string; error: boolean }
@@ -58,11 +59,12 @@ export const nameFrom = (text: string): string => {
   return found || "table";
 };
 
-/** What a new table begins with: it drives ahead for a moment, and is at its end. */
+/** What a new table begins with: the robot drives ahead for a moment, or waves, and is at its end. */
 export const first = (behaviour: string): Step[] => {
+  const moved = motions().find(({ name }) => name.includes("wave")) ?? motions()[0];
   const row = { behaviour, type: "", conditions: {}, outputs: {}, next_state: "", deadline_s: null };
   return [
-    { ...row, step: 1, type: "start", state: "Begin", outputs: { level: "0.3", range: "50" }, next_state: "Done" },
+    { ...row, step: 1, type: "start", state: "Begin", outputs: capabilities("drive").length > 0 ? { level: "0.3", range: "50" } : moved ? { motion: moved.name } : { wait: "1" }, next_state: "Done" },
     { ...row, step: 2, type: "end", state: "Done" },
     { ...row, step: 3, type: "fail", state: "Stuck" },
   ];

@@ -47,7 +47,7 @@ export function Why({ from }: { from: string }) {
   const stands = !mine && !drive?.moving;
   const why = useChain(asks && stands ? part : "", `${drive?.estop} ${drive?.code} ${holding.state.value.code}`);
   const [place, away] = useAway();
-  const telling = line.tone !== "calm" || line.text !== "" || drive?.moving;
+  const telling = line.tone !== "calm" || (line.text !== "" && line.code !== "unwell") || drive?.moving;
   return (
     <div class="drive-why-place" ref={place}>
     <div class="drive-why" data-tone={line.tone} data-open={why !== null || undefined} data-away={(away && telling) || undefined}>
@@ -151,7 +151,11 @@ function rest({ drive, fresh, run, failed, charging, part }: Told): Line {
   const ill = illness(part);
   if (ill) return { tone: "warn", icon: "warn", head: t("drive.unwell"), text: ill, code: "unwell" };
   const text = fresh && drive.code && drive.code !== "idle" && !byHand(drive) ? reasonOf(drive) : "";
-  return { tone: "calm", icon: charging ? "bolt" : "check", head: t(charging ? "drive.charges" : "drive.ready"), text, code: unwell.value.length > 0 ? "unwell" : "" };
+  const others = unwell.value.map((one) => plain(one.name)).join(", ");
+  return {
+    tone: "calm", icon: others ? "warn" : charging ? "bolt" : "check", head: t(charging ? "drive.charges" : "drive.ready"),
+    text: text || (others && t("drive.unwell.others", { names: others })), code: others ? "unwell" : "",
+  };
 }
 
 const runs = (run: Run | null): boolean => run?.phase === "running" || run?.phase === "paused";
