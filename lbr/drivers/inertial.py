@@ -1,8 +1,9 @@
 """The common part of inertial units: SI units, ranges, checks that readings are live, and events."""
 
 from math import pi
+from typing import Annotated
 
-from msgspec import Struct
+from msgspec import Meta, Struct
 from msgspec.structs import replace
 
 from lbr.capability.context import Context
@@ -25,9 +26,11 @@ def scaled(counts: Counts, unit: float) -> Vector | None:
 
 
 QUIET_S = 2.0
-QUIET_RPS = 0.02
-QUIET_MPS2 = 0.5
+STILL_RPS = 0.02
+STILL_MPS2 = 0.5
 """Ten times the noise of the supported units, and less than any motion that a wheel or a hand begins."""
+StillRps = Annotated[float, Meta(ge=0.0, le=0.1, description="a rate of turn within this of what it was is at rest")]
+StillMps2 = Annotated[float, Meta(ge=0.0, le=2.0, description="an acceleration within this of what it was is at rest")]
 QUIET_HZ = 25.0
 """The rate at which a unit at rest is read. Its first report of a motion is 40 ms old at most. In that time a base at
 its highest acceleration turns by half a degree. The mean of two samples keeps most of that."""
@@ -41,9 +44,10 @@ LATE_S = 1.5 / QUIET_HZ
 
 
 class Quiet:
-    """Detects that a unit has lain still for a while, so that fewer samples are enough."""
+    """Detects that a unit has lain still for a while, within bands for its noise, so that fewer samples are enough."""
 
-    def __init__(self) -> None:
+    def __init__(self, still_rps: float = STILL_RPS, still_mps2: float = STILL_MPS2) -> None:
+        self._still_rps, self._still_mps2 = still_rps, still_mps2
         self._like: ImuSample | None = None
         self._last: ImuSample | None = None
 
@@ -53,11 +57,18 @@ class Quiet:
         A repeated sample asks for more frequent readings but is no motion: a unit that is read early repeats its last.
         """
         last, self._last = self._last, sample
-        if self._like is None or not _near(sample, self._like):
+        if self._like is None or not self._near(sample, self._like):
             self._like = sample if _measured(sample) else None
             return False
         repeats = last is not None and _same(sample, last)
         return not repeats and sample.time_s - self._like.time_s >= QUIET_S
+
+    def _near(self, sample: ImuSample, like: ImuSample) -> bool:
+        return (
+            sample.valid
+            and _differ_less(sample.gyro_rps, like.gyro_rps, self._still_rps)
+            and _differ_less(sample.accel_mps2, like.accel_mps2, self._still_mps2)
+        )
 
 
 class RestingSamples:
@@ -125,14 +136,6 @@ def _measured(sample: ImuSample) -> bool:
 
 def _same(one: ImuSample, other: ImuSample) -> bool:
     return one.gyro_rps == other.gyro_rps and one.accel_mps2 == other.accel_mps2
-
-
-def _near(sample: ImuSample, like: ImuSample) -> bool:
-    return (
-        sample.valid
-        and _differ_less(sample.gyro_rps, like.gyro_rps, QUIET_RPS)
-        and _differ_less(sample.accel_mps2, like.accel_mps2, QUIET_MPS2)
-    )
 
 
 def _differ_less(one: Vector | None, other: Vector | None, by: float) -> bool:

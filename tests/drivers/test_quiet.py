@@ -16,8 +16,8 @@ GYRO_ZERO = (0.3, -0.2, 0.1)
 class Unit:
     """A unit with a cheap one's noise, asked every 10 ms."""
 
-    def __init__(self):
-        self.quiet = Quiet()
+    def __init__(self, **bands):
+        self.quiet = Quiet(**bands)
         self.now = 0.0
         self._dice = random.Random(7)
 
@@ -58,6 +58,12 @@ def test_what_is_not_measured_ends_it_and_is_not_what_later_samples_are_like(uni
     assert not unit.say(**missing)
     assert not unit.say(QUIET_S / 2)
     assert unit.say(QUIET_S / 2 + 0.1)
+
+
+@pytest.mark.parametrize(("band", "motion"), [("still_rps", {"turn_rps": 0.05}), ("still_mps2", {"push_mps2": 0.8})])
+def test_a_row_with_a_wider_band_calls_more_of_it_noise(band, motion):
+    shaken = Unit(**{band: 1.0})
+    assert [shaken.say(QUIET_S / 10, **(motion if turn % 2 else {})) for turn in range(12)][-1]
 
 
 def test_one_that_repeats_itself_is_asked_as_often_as_ever(unit):

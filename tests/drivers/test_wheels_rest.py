@@ -29,8 +29,8 @@ class Restless(Drive):
 class Pair:
     """A drive and its driver, each stepped when it is due or woken."""
 
-    def __init__(self, kind: type[Drive], lost: float = 0.0, seed: int = 0) -> None:
-        self.bench = WheelBench()
+    def __init__(self, kind: type[Drive], lost: float = 0.0, seed: int = 0, band: int = 2) -> None:
+        self.bench = WheelBench(f'"guard": false, "still_counts": {band}')
         self.bench.motors.open()
         self.ctx = DriveContext(accel_per_s=ACCEL_PER_S)
         self.ctx.now = self.bench.ctx.now
@@ -162,9 +162,11 @@ def test_motors_at_rest_tell_their_state_twice_a_second_and_a_motion_at_once() -
     assert len(published) >= 3
 
 
-@pytest.mark.parametrize(("counts", "ends"), [(2, False), (3, True)])
-def test_wheels_that_are_pushed_end_the_rest_and_an_encoder_that_flickers_does_not(counts: int, ends: bool) -> None:
-    pair = live(Pair(Drive), [("", 2.0)])
+@pytest.mark.parametrize(("counts", "band", "ends"), [(2, 2, False), (3, 2, True), (3, 3, False), (1, 0, True)])
+def test_wheels_that_are_pushed_end_the_rest_and_an_encoder_that_flickers_does_not(
+    counts: int, band: int, ends: bool
+) -> None:
+    pair = live(Pair(Drive, band=band), [("", 2.0)])
     device = pair.bench.line.device
     device.measured = replace(device.measured, counts=(0, counts))
     told = len(pair.bench.ctx.published)

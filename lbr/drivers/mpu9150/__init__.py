@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind, OnDevice
+from lbr.drivers.inertial import STILL_MPS2, STILL_RPS, StillMps2, StillRps
 from lbr.messages.imu import ImuSample
 from lbr.messages.units import Name
 
@@ -26,6 +27,8 @@ class Mpu9150Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     ] = 42
     mag_hz: Annotated[float, Meta(ge=0.0, le=100.0, description="most compass readings per second; 0: none")] = 25.0
     temperature_offset_c: Annotated[float, Meta(ge=-100.0, le=100.0, description="where the sensor reads zero")] = 35.0
+    still_rps: StillRps = STILL_RPS
+    still_mps2: StillMps2 = STILL_MPS2
     most_errors: Annotated[int, Meta(ge=1, le=100, description="failed readings in a row before a restart")] = 5
 
 

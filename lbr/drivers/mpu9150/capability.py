@@ -25,7 +25,7 @@ class Mpu9150(Capability[Mpu9150Settings]):
         self.rate_hz = ctx.settings.rate_hz
         self._notices = Notices(ctx)
         self._signs = LifeSigns(MOST_ALIKE)
-        self._quiet = Quiet()
+        self._quiet = Quiet(ctx.settings.still_rps, ctx.settings.still_mps2)
         self._resting = RestingSamples()
         self._unit: InertialUnit | None = None
         self._compass_trouble = ""

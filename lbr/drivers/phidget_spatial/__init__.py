@@ -6,6 +6,7 @@ from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind, OnDevice
 from lbr.capability.word import Word
+from lbr.drivers.inertial import STILL_MPS2, STILL_RPS, StillMps2, StillRps
 from lbr.messages.imu import ImuSample, ZeroCommand
 from lbr.messages.leases import CommandReply
 from lbr.messages.units import Name
@@ -20,6 +21,8 @@ class PhidgetSpatialSettings(Struct, frozen=True, kw_only=True, forbid_unknown_f
     device: Name
     interval_ms: Annotated[int, Meta(ge=4, le=1000, description="between two samples: 4, or a multiple of 8")] = 4
     gravity_sign: Literal[-1, 1] = -1
+    still_rps: StillRps = STILL_RPS
+    still_mps2: StillMps2 = STILL_MPS2
     zero_at_start: Annotated[bool, Meta(description="take the gyro's zero at each start, lying still")] = False
 
     def __post_init__(self) -> None:

@@ -113,7 +113,7 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
         self._zeroed_s = -inf
         self._heard_s = -inf
         self._detached = self._turns = self._slow = False
-        self._quiet = Quiet()
+        self._quiet = Quiet(self.ctx.settings.still_rps, self.ctx.settings.still_mps2)
         self.rate_hz, self._interval_ms = READING_HZ, self.ctx.settings.interval_ms
 
     def _pace(self, *, quiet: bool) -> None:

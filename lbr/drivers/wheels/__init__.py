@@ -45,6 +45,9 @@ class WheelsSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     enabled: bool = True
     setpoint_valid_s: Annotated[float, Meta(ge=0.02, le=0.25)] = 0.1
     watchdog_ms: Annotated[int, Meta(ge=50, le=250, description="the controller's own watchdog")] = 200
+    still_counts: Annotated[
+        int, Meta(ge=0, le=20, description="an encoder within this of what it counted has not turned: edges flicker")
+    ] = 2
     acknowledge_s: AcknowledgeS = 0.5
     guard: bool = True
     guard_silence_ms: Annotated[

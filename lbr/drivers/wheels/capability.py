@@ -25,8 +25,6 @@ RESTING_SHARE = 0.5
 PUBLISH_PERIOD_S = 0.05
 RESTING_PERIOD_S, RESTS_AFTER_S = 0.45, 0.5
 """The period of the state of armed motors that have stood for a while."""
-FLICKER = 2
-"""The difference of counts that does not end their rest: an encoder on an edge flickers."""
 STANDING_PERIOD_S = 0.09
 """The period of the state while the wheels stand: a third of the age at which the drive calls it too old."""
 RESEND_S, IDLE_QUERY_S = 0.015, 0.05
@@ -335,11 +333,21 @@ class Wheels(Capability[S], ABC):
             controller.applied == self._rest,
         )
         period_s = RESTING_PERIOD_S if self._rests else STANDING_PERIOD_S if self._stands else PUBLISH_PERIOD_S
-        if self._rests and not _near(_counts(controller.measured()), _counts(self._published_readings)):
+        if self._rests and not self._near(controller.measured(), self._published_readings):
             period_s = 0.0
         if key != self._published_key or not self.ctx.clock() - self._published < period_s:
             self._published_key = key
             self._publish()
+
+    def _near(self, measured: Measured, before: Measured) -> bool:
+        """Return whether no motor has turned by more than a flicker."""
+        counts, others = _counts(measured), _counts(before)
+        band = self.ctx.settings.still_counts
+        same = all(
+            one == other or (one is not None and other is not None and abs(one - other) <= band)
+            for one, other in zip(counts, others, strict=False)
+        )
+        return same and len(counts) == len(others)
 
     def _publish(self) -> None:
         self._published = self.ctx.clock()
@@ -348,7 +356,7 @@ class Wheels(Capability[S], ABC):
             self.ctx.publish("state", _at_rest(state, estop=self.ctx.estop.engaged))
             return
         before, self._published_readings = self._published_readings, self._controller.measured()
-        self._stands = not state.moving and _near(_counts(self._published_readings), _counts(before))
+        self._stands = not state.moving and self._near(self._published_readings, before)
         self._moved_at = self._moved_at if self._stands and state.rests else self._published
         self._rests = self._published - self._moved_at >= RESTS_AFTER_S
         message = MotorsState(
@@ -385,15 +393,6 @@ class Wheels(Capability[S], ABC):
 
 def _counts(measured: Measured) -> tuple[int | None, ...]:
     return measured.get("counts_left"), measured.get("counts_right"), *measured.get("motor_counts", ())
-
-
-def _near(counts: tuple[int | None, ...], before: tuple[int | None, ...]) -> bool:
-    """Return whether no motor has turned by more than a flicker."""
-    pairs = zip(counts, before, strict=False)
-    same = all(
-        one == other or (one is not None and other is not None and abs(one - other) <= FLICKER) for one, other in pairs
-    )
-    return same and len(counts) == len(before)
 
 
 def _fault_sentence(faults: Sequence[str]) -> str:
