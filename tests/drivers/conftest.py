@@ -1,3 +1,4 @@
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -19,3 +20,11 @@ def board(tmp_path: Path) -> Iterator[Board]:
     yield board
     if board.master >= 0:
         board.unplug()
+
+
+@pytest.fixture
+def line() -> Iterator[int]:
+    near, far = os.openpty()
+    yield far
+    os.close(near)
+    os.close(far)

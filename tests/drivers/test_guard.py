@@ -48,14 +48,6 @@ guard_release.run(sys.argv[1:], Servos)
 """
 
 
-@pytest.fixture
-def line():
-    near, far = os.openpty()
-    yield far
-    os.close(near)
-    os.close(far)
-
-
 def test_a_guard_is_told_often_that_something_may_move_and_seldom_that_nothing_does():
     now, told = [100.0], []
     guard = Guard(lambda pipe, _driver: told.append(os.dup(pipe)) or ["-c", "input()"], (), lambda: now[0], 1.0)

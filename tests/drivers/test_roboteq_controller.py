@@ -190,19 +190,17 @@ def test_a_controller_that_is_set_up_may_take_longer_for_its_answers_than_one_th
     assert not controller.stop()
 
 
-def test_the_wrong_device_is_named_and_never_told_to_move(bring_up, peer):
-    peer.answers["FID"] = "Frobnicator 3000"
+@pytest.mark.parametrize(
+    ("identity", "told"),
+    [
+        ("Frobnicator 3000", "Frobnicator 3000"),
+        ("Roboteq v1.6 RIOX 2015", r"RIOX.*is an inertial unit \(kind riox\); correct the address"),
+    ],
+)
+def test_the_wrong_device_is_named_and_never_told_to_move(bring_up, peer, identity, told):
+    peer.answers["FID"] = identity
     controller = bring_up()
-    with pytest.raises(DeviceError, match="Frobnicator 3000"):
-        controller.open()
-    controller.close()
-    assert peer.motor_commands() == []
-
-
-def test_an_inertial_unit_of_the_same_maker_is_named_and_never_told_to_move(bring_up, peer):
-    peer.answers["FID"] = "Roboteq v1.6 RIOX 2015"
-    controller = bring_up()
-    with pytest.raises(DeviceError, match=r"RIOX.*is an inertial unit \(kind riox\); correct the address"):
+    with pytest.raises(DeviceError, match=told):
         controller.open()
     controller.close()
     assert peer.motor_commands() == []

@@ -1,6 +1,5 @@
 """What guards are told on their command lines, and how long they may take."""
 
-import os
 from itertools import groupby, pairwise
 from pathlib import Path
 from types import SimpleNamespace
@@ -17,14 +16,6 @@ from lbr.drivers.servos.register_release import RegisterRelease
 from lbr.drivers.wheels import guard as wheels
 from lbr.drivers.wheels.contract import GuardStop
 from tests.support.waiting import until
-
-
-@pytest.fixture
-def line():
-    near, far = os.openpty()
-    yield far
-    os.close(near)
-    os.close(far)
 
 
 def begun(guard, what):
