@@ -20,7 +20,7 @@ from lbr.simulation.measured import Sensed, ServoDrive, ServoFelt
 from lbr.simulation.port import PtyPort
 from lbr.simulation.turning import moved
 from lbr.simulation.twins.base import PortTwin, Surroundings, plug, row
-from lbr.simulation.wire import flip_one_bit, noise
+from lbr.simulation.wire import Babble, Outbox, flip_one_bit, noise, strikes
 
 STEP_RAD = tau / 4096
 SIZE, RAM = 87, 40
@@ -33,7 +33,7 @@ SLOPE_RAD = 0.05
 """Softer than the servo, which is nearly a switch: a world with steps of some milliseconds stays calm."""
 GAP_S = 0.1
 """A longer pause within a packet makes a servo drop it, as with other makes; nobody has measured it."""
-LATE_S, BABBLE_S = 0.012, 0.004
+LATE_S = 0.012
 LEAST_SUPPLY_V = 3.5
 WARM_C = 35.0
 
@@ -282,8 +282,9 @@ class FeetechTwin(PortTwin[PtyPort, FeetechFaults]):
         self._struck: FeetechFaults | None = None
         self._supplied = True
         self._held = b""
-        self._heard_at = self._babbled = 0.0
-        self._out: deque[tuple[float, bytes]] = deque()
+        self._heard_at = 0.0
+        self._babble = Babble(self._random)
+        self._outbox = Outbox()
 
     def service(self, now: float) -> None:
         """Do all that is due: the cable, bytes in, bytes out."""
@@ -291,22 +292,21 @@ class FeetechTwin(PortTwin[PtyPort, FeetechFaults]):
             self._struck = self._faults
             self._strike()
         if plug(self.port, present=not self._faults.unplug):
-            self._out.clear()
+            self._outbox.clear()
             self._held = b""
         for servo in self.servos.values():
             servo.advance(now)
         if heard := self.port.read():
             self._hear(heard, now, self.port.baud())
-        if self._faults.babbling and now >= self._babbled:
-            self._babbled = now + self._random.uniform(0.5, 1.5) * BABBLE_S
-            self.port.write(noise(self._random))
-        while self._out and self._out[0][0] <= now:
-            self.port.write(self._out.popleft()[1])
+        if self._faults.babbling:
+            self._outbox.arrive(self._babble.due(now), now)
+        if answers := self._outbox.due(now):
+            self.port.write(answers)
 
     def next_due(self) -> float | None:
         """Return when it next sends."""
-        dues = [self._out[0][0]] if self._out else []
-        return min([*dues, self._babbled] if self._faults.babbling else dues, default=None)
+        dues = (self._outbox.next_due(), self._babble.next_at if self._faults.babbling else None)
+        return min((at for at in dues if at is not None), default=None)
 
     def sense(self, sensed: Sensed) -> None:
         """Do nothing: its servos feel each step of the world."""
@@ -344,7 +344,7 @@ class FeetechTwin(PortTwin[PtyPort, FeetechFaults]):
         self._heard_at = now
         free = now + self.settings.usb_us * 0.5e-6 + len(data) * byte_s
         if self._faults.echo:
-            self._send(data, free)
+            self._outbox.arrive(data, free)
         for number, code, parameters in self._instructions():
             self.log.append((number, code, parameters))
             for servo, said in self._answers(number, code, parameters, baud):
@@ -399,23 +399,17 @@ class FeetechTwin(PortTwin[PtyPort, FeetechFaults]):
 
     def _say(self, said: bytes, number: int, due: float) -> None:
         faults = self._faults
-        if number in faults.silent or self._hit(faults.drop):
+        if number in faults.silent or strikes(faults.drop, self._random):
             return
         if number in faults.duplicate:
             said = bytes(byte & (byte << 1 | 1) for byte in said)
-        if self._hit(faults.bit_flip):
+        if strikes(faults.bit_flip, self._random):
             said = flip_one_bit(said, self._random)
-        if self._hit(faults.garbage):
+        if strikes(faults.garbage, self._random):
             said = noise(self._random) + said
-        if self._hit(faults.half):
+        if strikes(faults.half, self._random):
             said = said[: self._random.randrange(len(said))]
-        self._send(said, due + (LATE_S if self._hit(faults.late) else 0.0))
-
-    def _send(self, data: bytes, due: float) -> None:
-        self._out.append((max(due, self._out[-1][0]) if self._out else due, data))
-
-    def _hit(self, probability: float) -> bool:
-        return probability > 0.0 and self._random.random() < probability
+        self._outbox.arrive(said, due + (LATE_S if strikes(faults.late, self._random) else 0.0))
 
 
 def _written_together(there: list[StsServo], parameters: bytes) -> None:
