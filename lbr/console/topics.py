@@ -164,7 +164,7 @@ def _rates(answers: list[wire.RawMessage]) -> dict[str, float]:
     return {f"{one.name}/{output}": rate for one in status.capabilities for output, rate in one.rates_hz.items()}
 
 
-def _decoded(payload: bytes) -> dict[str, Any]:
+def _decoded(payload: bytes) -> dict[str, object]:
     try:
         value = decode(payload)
     except MalformedError:

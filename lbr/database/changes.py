@@ -118,7 +118,7 @@ def _write(connection: Connection, change: Change, schema: Schema) -> None:
         connection.execute(statements.update(change.table, values, key), (*values.values(), *change.key))
 
 
-def _dangling(connection: Connection, tables: Iterable[str]) -> set[tuple[Any, ...]]:
+def _dangling(connection: Connection, tables: Iterable[str]) -> set[tuple[object, ...]]:
     """Return the rows of some tables that refer to a missing row; without a removal, only changed tables have new
     ones."""
     check = "SELECT * FROM pragma_foreign_key_check(?)"

@@ -36,7 +36,7 @@ def fixed(row: type[Row]) -> str:
     return f"a row of {row.TABLE} {NAMES_PROGRAMS}" if row is ExternalCommandRow else ""
 
 
-def schema(row: type[Row]) -> dict[str, Any]:
+def schema(row: type[Row]) -> dict[str, object]:
     """Return the JSON Schema of a table's rows, with the meaning of each column."""
     whole = msgspec.json.schema(row)
     for name, column in columns(row).items():
@@ -44,7 +44,7 @@ def schema(row: type[Row]) -> dict[str, Any]:
     return whole
 
 
-def json_row(row: type[Row], values: RawRow) -> dict[str, Any]:
+def json_row(row: type[Row], values: RawRow) -> dict[str, object]:
     """Return a row as in JSON, without its robot. A bad value stays as it is in the table."""
     return {name: _json_value(column, values.get(name)) for name, column in columns(row).items()}
 
@@ -157,7 +157,7 @@ def _raw(row: type[Row], schema: Schema, robot: str, existing: RawRow | None, af
     return values
 
 
-def _defaults(row: type[Row]) -> dict[str, Any]:
+def _defaults(row: type[Row]) -> dict[str, object]:
     return {name: one.write(one.stand_in) for name, one in columns(row).items() if not one.field.required}
 
 

@@ -75,7 +75,7 @@ class Tables:
         self._read: dict[type[Row], tuple[list[Read], list[Problem]]] = {}
         self._judged: dict[type[Row], tuple[Problem, ...]] = {}
         self._indexes: dict[tuple[type[Row], Callable[[Any], Hashable]], dict[Hashable, Any]] = {}
-        self._names: dict[str, frozenset[Any]] = {}
+        self._names: dict[str, frozenset[object]] = {}
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Tables) and (self._robot, self._own) == (other._robot, other._own)

@@ -138,7 +138,7 @@ def _text(table: str, rows: Any, schema: Schema) -> str:
     return json.dumps(objects, ensure_ascii=False, indent=2) + "\n"
 
 
-def _json(value: Any) -> Any:
+def _json(value: object) -> object:
     """Return a value for a file: a JSON object or list as such, if that is lossless."""
     if isinstance(value, str) and value[:1] in {"{", "["}:
         try:

@@ -213,7 +213,7 @@ class Report(Generic[State_co]):
         )
 
 
-def _filled(saying: Saying, wanted: dict[str, Any]) -> str:
+def _filled(saying: Saying, wanted: dict[str, object]) -> str:
     """Return the line with these values, empty if the pattern cannot hold them."""
     line, rest = saying.pattern, dict(wanted)
     for name, value in saying.payload.items():

@@ -120,7 +120,7 @@ class Media:
         finally:
             self._loop.close()
 
-    def _start(self, work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
+    def _start(self, work: Coroutine[object, object, None]) -> asyncio.Task[None]:
         task = self._loop.create_task(work)
         self._working.add(task)
         task.add_done_callback(self._working.discard)

@@ -8,7 +8,6 @@ from collections.abc import Coroutine, Iterable
 from contextlib import ExitStack
 from pathlib import Path
 from types import FrameType
-from typing import Any
 
 from starlette.responses import RedirectResponse, Response
 from starlette.types import ASGIApp
@@ -82,7 +81,7 @@ def _app(face: CamerasFace, login: Login, secret: str, own_names: Iterable[str])
     )
 
 
-async def _awaited(work: Coroutine[Any, Any, Response], *, timeout_s: float) -> Response:
+async def _awaited(work: Coroutine[object, object, Response], *, timeout_s: float) -> Response:
     """Run a handler on the server's thread, as there is no other loop."""
     return await asyncio.wait_for(work, timeout_s)
 

@@ -126,7 +126,7 @@ class LiveRows(Service):
         if news.edited or news.change != Change():
             self._adopt(news.plan, news.change, news.edited or "a capability's file")
 
-    def adopted(self) -> dict[str, Any]:
+    def adopted(self) -> dict[str, object]:
         """Record that the plan's rows run, and return their revision and digest."""
         rows = self.plan.rows
         with contextlib.suppress(LbrError):

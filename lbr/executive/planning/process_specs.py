@@ -180,7 +180,7 @@ def read_by(read: Read, settings: Any, rows: Iterable[Row]) -> tuple[Row, ...]:
     return tuple(row for row in rows if all(_fits(getattr(row, column), value) for column, value in wanted.items()))
 
 
-def _fits(column: Any, setting: Any) -> bool:
+def _fits(column: object, setting: object) -> bool:
     return column == setting or "" in (column, setting)
 
 

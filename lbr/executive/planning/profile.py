@@ -3,7 +3,6 @@
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import msgspec
 from msgspec import Struct
@@ -47,7 +46,12 @@ class Profile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         return next((host for host, names in self.hosts.items() if name in names), "")
 
 
-_KEYED: dict[str, Any] = {"processes": str, "devices": str, "calibration": dict[str, float], "hosts": tuple[str, ...]}
+_KEYED: dict[str, object] = {
+    "processes": str,
+    "devices": str,
+    "calibration": dict[str, float],
+    "hosts": tuple[str, ...],
+}
 """Fields whose keys are names, with the type of their values."""
 
 

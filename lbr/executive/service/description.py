@@ -22,7 +22,7 @@ from lbr.messages.sensing import RangeSensor
 from lbr.messages.speech import Phrase
 
 
-def describe(plan: Plan, words: Iterable[dict[str, Any]]) -> RobotDescription:
+def describe(plan: Plan, words: Iterable[dict[str, object]]) -> RobotDescription:
     """Return the description of a robot that runs a plan; `words` are the words of its console."""
     return RobotDescription(
         robot=plan.robot,
@@ -89,5 +89,5 @@ def _command(plan: Plan, unit: ProcessSpec, name: str) -> CommandDescription:
     return CommandDescription(schema=_schema(plan, unit, name), role=kind.role(name), leased=leased)
 
 
-def _rows(plan: Plan, row: type[Row]) -> tuple[dict[str, Any], ...]:
+def _rows(plan: Plan, row: type[Row]) -> tuple[dict[str, object], ...]:
     return tuple(msgspec.to_builtins(one) for one in plan.rows.of(row))

@@ -149,12 +149,12 @@ class LettingIn:
         plan = self._robot.plan
         return str(plan.kinds[name].parse(bytes(plan.units[name].config.settings)).host)
 
-    def _serving(self, name: str) -> dict[str, Any] | None:
+    def _serving(self, name: str) -> dict[str, object] | None:
         """Return where a server listens; None if it does not serve."""
         place = self._address(name, ADDRESS_S)
         return place if place is not None and place.get("accepted") else None
 
-    def _settled(self, name: str, *, is_open: bool) -> dict[str, Any] | None:
+    def _settled(self, name: str, *, is_open: bool) -> dict[str, object] | None:
         """Wait until a server listens as its row now requires, and return where; None if that takes long."""
         end = self._clock() + AGAIN_S
         while self._clock() < end:
@@ -181,7 +181,7 @@ def _honest(*, is_open: bool, tls: bool, own: bool, fingerprint: str) -> Iterato
         yield "Nothing is encrypted ('clear_text' of its row): a machine in between reads the code and the token."
 
 
-def _where(place: dict[str, Any]) -> str:
+def _where(place: dict[str, object]) -> str:
     """Return a server's address, by number and by name."""
     url, local = str(place.get("url", "")), str(place.get("local", ""))
     if not url:
@@ -203,7 +203,7 @@ def _svg(url: str) -> str:
     return ""
 
 
-def _place_data(place: dict[str, Any] | None) -> dict[str, Any]:
+def _place_data(place: dict[str, object] | None) -> dict[str, object]:
     return (
         {"url": place.get("url", ""), "open": place.get("open"), "tls": place.get("tls")} if place is not None else {}
     )

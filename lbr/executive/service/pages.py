@@ -128,7 +128,7 @@ class Pages:
         }
         return ManageReply(accepted=True, revision=revision, data=data)
 
-    def _settings(self, row: type[Row], plan: Plan) -> dict[str, Any]:
+    def _settings(self, row: type[Row], plan: Plan) -> dict[str, object]:
         """Return the schemas of the column `settings`, by the row's name."""
         if row is CapabilityRow:
             return {name: msgspec.json.schema(kind.settings) for name, kind in plan.kinds.items()}
@@ -235,7 +235,7 @@ def _letting_in(before: RobotRows, after: RobotRows) -> Iterator[Problem]:
                     yield Problem(row.TABLE, f"{after.robot.name}/{row.name}", column, f"{name} {LETS_IN}")
 
 
-def _deciding(kind: Kind, row: CapabilityRow | None) -> dict[str, Any] | None:
+def _deciding(kind: Kind, row: CapabilityRow | None) -> dict[str, object] | None:
     """Return the parts of a row that decide who has access; without a row, a new one's. None if it is unreadable."""
     try:
         settings = kind.parse(row.settings if row is not None else "{}")
@@ -251,7 +251,7 @@ def _own(tables: Any, table: str, robot: str) -> list[Any]:
     return [row for row in tables.get(table, ()) if row.get(name, robot) == robot]
 
 
-def _of_twin(device: str) -> dict[str, Any] | None:
+def _of_twin(device: str) -> dict[str, object] | None:
     try:
         found = twins.find(device)
     except KindError:

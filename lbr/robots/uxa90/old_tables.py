@@ -87,7 +87,7 @@ def read_settings(source: Source) -> OldData | None:
     return OldSettings({one[1]: one[2].strip("'\"") for one in matches if one is not None})
 
 
-def _like(rows: object, columns: set[str]) -> list[Mapping[str, Any]]:
+def _like(rows: object, columns: set[str]) -> list[Mapping[str, object]]:
     """Return the rows if all of them have these columns."""
     if not isinstance(rows, list) or not all(isinstance(row, dict) and columns <= set(row) for row in rows):
         return []
@@ -120,7 +120,7 @@ def _motor(row: Mapping[str, Any]) -> Iterator[Want | Note]:
         yield no_place("motor", short(number), short(column), "the original has no such column")
 
 
-def _button(row: Mapping[str, Any], target: Here) -> Iterator[Want | Note]:
+def _button(row: Mapping[str, object], target: Here) -> Iterator[Want | Note]:
     number, name = row["id"], row["name"]
     if not _whole(number) or not isinstance(name, str) or not isinstance(row["button"], str):
         yield no_place("motion", short(number), "", "its number is no number, or its name no text")

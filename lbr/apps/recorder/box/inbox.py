@@ -3,7 +3,7 @@
 import base64
 import functools
 from collections.abc import Callable, Collection, Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import msgspec
 from msgspec import Struct
@@ -235,5 +235,5 @@ def _stamp_of(attachment: bytes) -> _Stamp:
 
 
 @functools.cache
-def _channel(topic: str, message: type[Any]) -> Channel:
+def _channel(topic: str, message: type[object]) -> Channel:
     return Channel(topic, "json", message.__name__, flat_schema(msgspec.json.schema(message)))

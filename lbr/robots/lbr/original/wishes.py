@@ -98,14 +98,14 @@ def beams(body: bytes) -> dict[str, bool]:
     return beams_seen
 
 
-def _heading(fields: Mapping[str, Any]) -> HeadingCommand:
+def _heading(fields: Mapping[str, object]) -> HeadingCommand:
     heading_deg = round(_number(fields, "heading"), 1)
     if not 0.0 <= heading_deg <= 360.0:
         raise InputError(f"heading {heading_deg:g} is outside 0 to 360")
     return HeadingCommand(heading_deg=heading_deg)
 
 
-def _turn(fields: Mapping[str, Any]) -> TurnCommand:
+def _turn(fields: Mapping[str, object]) -> TurnCommand:
     angle_deg = round(_number(fields, "turn"), 1)
     if not -360.0 <= angle_deg <= 360.0:
         raise InputError(f"turn {angle_deg:g} is outside -360 to 360")
@@ -136,7 +136,7 @@ def _drive(fields: Mapping[str, Any]) -> DriveCommand | None:
     )
 
 
-def _sensor(fields: Mapping[str, Any]) -> str:
+def _sensor(fields: Mapping[str, object]) -> str:
     if not _is_there(fields, "sensor"):
         return "forward"
     name = str(fields["sensor"]).strip().lower()
@@ -147,7 +147,7 @@ def _sensor(fields: Mapping[str, Any]) -> str:
     return name
 
 
-def _speech(wording: Any) -> str:
+def _speech(wording: object) -> str:
     """Return a text, bare or wrapped; of a mapping, only `text` counts."""
     if isinstance(wording, dict):
         wording = wording.get("text")
@@ -158,16 +158,16 @@ def _speech(wording: Any) -> str:
     return wording.strip()
 
 
-def _bound(fields: Mapping[str, Any], name: str) -> int:
+def _bound(fields: Mapping[str, object], name: str) -> int:
     """Return a bound in whole units; 0 for none, and for a bound below 0."""
     return max(0, _whole(fields, name)) if _is_there(fields, name) else 0
 
 
-def _whole(fields: Mapping[str, Any], name: str) -> int:
+def _whole(fields: Mapping[str, object], name: str) -> int:
     return int(_number(fields, name))
 
 
-def _number(fields: Mapping[str, Any], name: str) -> float:
+def _number(fields: Mapping[str, object], name: str) -> float:
     value = fields[name]
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise InputError(f"{name} must be a number")
@@ -182,11 +182,11 @@ def _number(fields: Mapping[str, Any], name: str) -> float:
     return number
 
 
-def _mapping(fields: Any) -> Mapping[str, Any]:
+def _mapping(fields: object) -> Mapping[str, object]:
     if not isinstance(fields, dict):
         raise InputError(f"the body must be an object; {NOTHING}")
     return fields
 
 
-def _is_there(fields: Mapping[str, Any], name: str) -> bool:
+def _is_there(fields: Mapping[str, object], name: str) -> bool:
     return fields.get(name) is not None and fields[name] != ""

@@ -1,7 +1,6 @@
 """The line of a UXA-90 as a capability: the main board's part of a driver for servos that do not report their torque."""
 
 from math import inf
-from typing import Any
 
 from lbr.capability.context import Call, Context, Device
 from lbr.drivers.servos.capability import Measured, Servos
@@ -176,7 +175,7 @@ class Uxa90(Servos[Uxa90Settings, Session]):
         servos = tuple(servo_state(targets, target, poller.seen[target.id], now) for target in targets.servos.values())
         return Measured(poller.sweep, poller.ended, servos, statistics(session.bus, poller))
 
-    def common_state(self) -> dict[str, Any]:
+    def common_state(self) -> dict[str, object]:
         """Return the fields of a state that need no line, those of the main board among them."""
         session = self._session
         board = {

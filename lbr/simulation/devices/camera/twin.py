@@ -1,7 +1,5 @@
 """An emulated camera: a socket whose clients are passed to the drawing process."""
 
-from typing import Any
-
 from lbr.capability.context import Device
 from lbr.errors import InputError
 from lbr.simulation.devices.camera import CameraFaults, CameraRow
@@ -23,7 +21,7 @@ class CameraTwin(PortTwin[SocketPort, CameraFaults]):
         if settings.faults != CameraFaults():
             self._cameras.set_faults(device.name, settings.faults)
 
-    def fault(self, name: str, value: FaultValue) -> dict[str, Any]:
+    def fault(self, name: str, value: FaultValue) -> dict[str, object]:
         """Set a fault and return them all; raise InputError with the permitted ones."""
         faults = super().fault(name, value)
         self._cameras.set_faults(self.name, self._faults)
