@@ -2,7 +2,7 @@
 import { signal } from "@preact/signals";
 import { remember, remembered } from "./kept";
 import { notice } from "./notices";
-import { maybe, t } from "./words";
+import { language, maybe, t } from "./words";
 
 export const token = signal<string>(remembered("token", ""));
 /** The robot asks who this is. */
@@ -22,12 +22,16 @@ export async function ask<T>(path: string, { method = "GET", body, quiet = false
   return answer;
 }
 
-/** What a person reads of a refusal: the page's own sentence for its code, or else what the code means and the robot's sentence. */
+/** Codes that do not say what is wrong; the robot's sentence does. */
+const VAGUE = new Set(["failed", "bad_value", "malformed", "unknown_name", "unknown_command", "not_possible", "busy", "check", "wiring", "exists", "changed", "limit"]);
+
+/** What a person reads of a refusal: the page's own sentence for its code, or else what the code means and the robot's sentence, which is in English and so is left out of another language where the code says enough. */
 export function told(answer: Pick<Answer, "code" | "reason">): string {
   const own = maybe(`refused.${answer.code}`);
   if (own) return own;
   const meant = maybe(`code.${answer.code}`);
-  return [meant, answer.reason].filter(Boolean).join(": ") || t("away.silent");
+  const reason = meant && language.value !== "en" && !VAGUE.has(answer.code) ? "" : answer.reason;
+  return [meant, reason].filter(Boolean).join(": ") || t("away.silent");
 }
 
 async function asked<T>(path: string, { method, body, keepalive, timeoutMs }: Required<Pick<Options, "method" | "keepalive" | "timeoutMs">> & { body?: unknown }): Promise<Answer<T>> {

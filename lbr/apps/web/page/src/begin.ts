@@ -1,6 +1,7 @@
 // How the page begins: who this is, what the robot is, then the live line.
 import { effect, signal } from "@preact/signals";
 import { given, pair, signIn } from "./access";
+import { deviceName } from "./device";
 import { remember, remembered } from "./kept";
 import { connect } from "./live";
 import { look, robot } from "./robot";
@@ -8,13 +9,6 @@ import { language } from "./words";
 
 export type Theme = "auto" | "dark" | "light";
 export const theme = signal<Theme>(remembered<Theme>("theme", "auto"));
-/** What this device is called when it pairs. */
-export const deviceName = (): string => {
-  const agent = navigator.userAgent;
-  const kind = /iPhone|Android.*Mobile/.test(agent) ? "phone" : /iPad|Android/.test(agent) ? "tablet" : "computer";
-  return `${kind}-${Math.floor(Math.random() * 900 + 100)}`;
-};
-
 effect(() => {
   document.documentElement.lang = language.value;
   remember("language", language.value);

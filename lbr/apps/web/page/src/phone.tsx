@@ -6,14 +6,12 @@ import { consoleLine } from "./robot";
 import { t } from "./words";
 
 const AGAIN_MS = 3000;
-/** How long a code is good, as `GOOD_FOR_S` of the executive says. */
-const VALID_MS = 120_000;
 const OPENS_TRIES = 20, OPENS_AGAIN_MS = 700;
 /** Whoever closes the robot from elsewhere locks this page out. */
 const HERE = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname);
 
 /** What the word `pair` answers. */
-interface Pairing { digits: string; url: string; local?: string; open: boolean; svg: string; fingerprint: string }
+interface Pairing { digits: string; good_for_s: number; url: string; local?: string; open: boolean; svg: string; fingerprint: string }
 
 const pair = async (options: Parameters<typeof consoleLine>[1]): Promise<Pairing | undefined> => {
   const answer = await consoleLine("pair", options);
@@ -45,7 +43,7 @@ export function ConnectPhone({ open, onClose }: { open: boolean; onClose: () => 
       if (left) return;
       if (!found) { onClose(); return; }
       show(found);
-      ends = setTimeout(() => setOver(true), VALID_MS);
+      ends = setTimeout(() => setOver(true), found.good_for_s * 1000);
     });
     return () => { left = true; clearTimeout(ends); show(undefined); };
   }, [open, over]);

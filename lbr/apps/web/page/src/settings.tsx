@@ -20,7 +20,7 @@ export function Settings({ open, onClose }: { open: boolean; onClose: () => void
           label={t("settings.language")} value={language.value} onChange={(value) => { language.value = value; }}
           options={[{ value: "en", text: "English" }, { value: "de", text: "Deutsch" }]}
         />
-        {known && <p class="muted">{t("settings.you")}: {t(`role.${known.role}`)}. {t("settings.about", { version: known.version, robot: known.robot })}</p>}
+        {known && <p class="muted">{t("settings.you")}: {[token.value.split(".")[0], t(`role.${known.role}`)].filter(Boolean).join(", ")}. {t("settings.about", { version: known.version, robot: known.robot })}</p>}
         {may("operate") && <div><a class="button button-plain" href="#system/settings" onClick={onClose}><Icon name="system" /><span>{t("settings.robot")}</span></a></div>}
         {token.value && <div><Button kind="danger" onClick={() => void signOut()}>{t("sign.out")}</Button></div>}
       </div>

@@ -1,7 +1,8 @@
 // Who is unknown to the robot pairs by six digits, or shows a token.
 import { useState } from "preact/hooks";
 import { pair, revoked, signIn } from "./access";
-import { deviceName, enter } from "./begin";
+import { enter } from "./begin";
+import { deviceName } from "./device";
 import { Button, Card, Field, Icon } from "./parts";
 import { t } from "./words";
 

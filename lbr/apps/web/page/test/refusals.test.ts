@@ -17,6 +17,11 @@ test("a code with a sentence of the page's own is told by it alone, others with 
   assert.equal(told({ code: "no_torque", reason: "18 joints have no torque: /torque/on first" }), "Joints are off.");
   assert.equal(told({ code: "estop", reason: "latched: reset releases it" }), "Emergency stop is pressed.");
   assert.equal(told({ code: "obstacle", reason: "forward reads 18 cm" }), "Something is in the way: forward reads 18 cm");
+  language.value = "de";
+  assert.equal(told({ code: "obstacle", reason: "forward reads 18 cm" }), "Etwas ist im Weg");
+  assert.equal(told({ code: "bad_value", reason: "speed is above 1" }), "Ein Wert passt nicht: speed is above 1");
+  assert.equal(told({ code: "its_own", reason: "no such light" }), "no such light");
+  language.value = "en";
   for (const key of Object.keys(TABLE).filter((one) => one.startsWith("refused."))) assert.doesNotMatch(TABLE[key as keyof typeof TABLE]!.join(), /\//, key);
 });
 
