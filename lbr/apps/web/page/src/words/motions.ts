@@ -118,4 +118,10 @@ export const motions = {
   "motions.version.first": ["As it came with the robot", "Wie sie mit dem Roboter kam"],
   "motions.look": ["Look", "Ansehen"],
   "motions.restore": ["Restore", "Wiederherstellen"],
+  "motions.rename": ["Rename “{motion}”", "„{motion}“ umbenennen"],
+  "motions.renamed": ["Renamed to “{motion}”", "Umbenannt in „{motion}“"],
+  "motions.delete": ["Delete", "Löschen"],
+  "motions.delete.sure": ["Delete “{motion}”?", "„{motion}“ löschen?"],
+  "motions.delete.text": ["Its key frames stay on the desk here until another motion is opened. Buttons that play it refuse the change.", "Die Schlüsselbilder bleiben hier auf dem Tisch, bis eine andere Bewegung geöffnet wird. Tasten, die sie abspielen, verhindern das Löschen."],
+  "motions.deleted": ["“{motion}” is deleted", "„{motion}“ ist gelöscht"],
 } as const;

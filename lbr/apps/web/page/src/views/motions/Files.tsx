@@ -12,6 +12,7 @@ import type { Motion, MotionRow } from "./data";
 import { change, dirty, open, rename, saved, sheet } from "./desk";
 import { Figure } from "./Figure";
 import { EMPTY, good, lasts, nameFrom, poseAt, sparse, type Sheet } from "./sheet";
+import { move } from "./rows";
 import { upload } from "./upload";
 
 interface Form { suffix: string; summary: string; writes: boolean }
@@ -38,13 +39,26 @@ export function Files({ model, motions, bad }: { model: BodyModel; motions: Moti
   const [forms, setForms] = useState<Form[]>([]);
   const [taken, take] = useState<(Taken & { file: string }) | null>(null);
   const [looks, look] = useState(false);
+  const [leaving, leave] = useState(false);
   const [says, say] = useState<{ title: string; notes: string[] } | null>(null);
   const now = sheet.value;
   const own = motions.filter((one) => one.slot == null);
   const known = own.some((one) => one.name === now.name);
+  const former = saved.value && saved.value.name !== now.name && own.some((one) => one.name === saved.value!.name && !one.builtin) ? saved.value.name : "";
   const fixed = motions.some((one) => one.name === now.name && (one.builtin || one.slot != null));
   useEffect(() => void fetchJson<{ forms: Form[] }>("api/motion/forms", { quiet: true }).then((answer) => setForms(answer.data?.forms ?? [])), []);
 
+  const renameTo = async (name: string): Promise<void> => {
+    if (!await move(name, now.name)) return;
+    saved.value = { ...saved.value!, name: now.name };
+    notice(t("motions.renamed", { motion: plain(now.name) }), "good");
+  };
+  const remove = async (): Promise<void> => {
+    leave(false);
+    if (!await move(now.name, null)) return;
+    saved.value = null;
+    notice(t("motions.deleted", { motion: plain(now.name) }), "good");
+  };
   const openOne = async (name: string): Promise<void> => {
     const answer = await fetchJson<Motion>(`api/motion?motion=${encodeURIComponent(name)}`);
     if (answer.ok && answer.data) open(asSheet(answer.data), true);
@@ -77,6 +91,8 @@ export function Files({ model, motions, bad }: { model: BodyModel; motions: Moti
       <div class="joints-actions">
         <Button icon="save" disabled={!may("admin") || fixed || !good(now.name) || now.frames.length === 0 || bad || (known && !dirty.value)} onClick={() => void save(known)}>{t(known ? "motions.replace" : "motions.save")}</Button>
         <Button icon="restart" disabled={!known} onClick={() => look(true)}>{t("motions.versions")}</Button>
+        {former && !known && <Button disabled={!may("admin") || !good(now.name)} onClick={() => void renameTo(former)}>{t("motions.rename", { motion: plain(former) })}</Button>}
+        <Button kind="danger" icon="trash" disabled={!may("admin") || !known || fixed} onClick={() => leave(true)}>{t("motions.delete")}</Button>
         <Button kind="quiet" disabled={now.frames.length === 0} onClick={() => open(EMPTY, false)}>{t("motions.new")}</Button>
       </div>
       {own.length > 0 && <Choice label={t("motions.open")} value="" options={[{ value: "", text: "…" }, ...own.map((one) => ({ value: one.name, text: plain(one.name) }))]} onChange={(name) => { if (name) void openOne(name); }} />}
@@ -88,6 +104,9 @@ export function Files({ model, motions, bad }: { model: BodyModel; motions: Moti
       <input ref={input} type="file" accept={forms.map((one) => one.suffix).join(",") || ".json"} hidden aria-label={t("motions.import")} onChange={(event) => { void read(event.currentTarget.files?.[0]); event.currentTarget.value = ""; }} />
       <Dialog title={taken ? t("motions.taken", { file: taken.file }) : ""} open={taken !== null} onClose={() => take(null)}>
         {taken && <Found taken={taken} model={model} onOpen={(motion) => { open(asSheet(motion), false); take(null); }} />}
+      </Dialog>
+      <Dialog title={t("motions.delete.sure", { motion: plain(now.name) })} open={leaving} onClose={() => leave(false)} actions={<><Button kind="quiet" onClick={() => leave(false)}>{t("dialog.cancel")}</Button><Button kind="danger" icon="trash" onClick={() => void remove()}>{t("motions.delete")}</Button></>}>
+        <p>{t("motions.delete.text")}</p>
       </Dialog>
       <Dialog title={says?.title ?? ""} open={says !== null} onClose={() => say(null)}>
         <Notes notes={says?.notes ?? []} />
