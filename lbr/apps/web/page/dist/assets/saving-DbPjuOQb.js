@@ -1,1 +1,0 @@
-var e=e=>Uint8Array.from(atob(e),e=>e.charCodeAt(0));function t(e,t){let n=document.createElement(`a`);n.href=URL.createObjectURL(new Blob([t],{type:`application/octet-stream`})),n.download=e,n.click(),setTimeout(()=>URL.revokeObjectURL(n.href),1e4)}export{t as n,e as t};
