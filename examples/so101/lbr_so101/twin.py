@@ -298,8 +298,8 @@ class FeetechTwin(PortTwin[PtyPort, FeetechFaults]):
             servo.advance(now)
         if heard := self.port.read():
             self._hear(heard, now, self.port.baud())
-        if self._faults.babbling:
-            self._outbox.arrive(self._babble.due(now), now)
+        if self._faults.babbling and (babble := self._babble.due(now)):
+            self.port.write(babble)
         if answers := self._outbox.due(now):
             self.port.write(answers)
 
