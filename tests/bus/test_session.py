@@ -19,7 +19,7 @@ from lbr.bus import session, wire
 from lbr.bus.access import Limits
 from lbr.errors import BusError
 from tests.support import programs
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 QUESTIONS = 500
 MORE_THAN_A_SOCKET_HOLDS = 12_000
@@ -45,9 +45,10 @@ bus = session.open_client(sys.argv[1:])
 print("ready", flush=True)
 sys.stdin.readline()
 for _ in range({MORE_THAN_A_SOCKET_HOLDS}):
-    bus.get("robot/drive/state", zenoh.handlers.Callback(lambda reply: None, indirect=False), timeout=8.0)
+    bus.get("robot/drive/state", zenoh.handlers.Callback(lambda reply: None, indirect=False), timeout={HANG_S})
 sys.stdin.readline()
 """
+"""An answer that comes after its question's time is dropped, and fills no socket."""
 
 
 PATIENT = """
