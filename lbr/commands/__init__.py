@@ -4,6 +4,7 @@ from lbr.component import CliCommand, CommandGroup, Component
 
 _COMMANDS: tuple[tuple[str, CommandGroup, str], ...] = (
     ("run", "start", "Start a robot."),
+    ("demo", "start", "Have a simulated robot show what it can do."),
     ("robots", "start", "List the robots that there are, and how to start them."),
     ("agent", "run for good", "Run a share of a robot that is on another machine."),
     ("console", "drive", "Open a console on a running robot, here or over the LAN."),

@@ -27,6 +27,8 @@ class Profile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     `hosts` lists the capabilities on other machines, by the host's name; `plugged_in_elsewhere` those of them that own
     a device there.
+
+    `demo` lists the commands of `lbr` that `lbr demo` runs.
     """
 
     robot: str
@@ -40,6 +42,7 @@ class Profile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     listen: tuple[str, ...] = ()
     hosts: dict[str, tuple[str, ...]] = {}
     plugged_in_elsewhere: tuple[str, ...] = ()
+    demo: tuple[str, ...] = ()
 
     def host_of(self, name: str) -> str:
         """Return the other machine that runs a capability; empty for the robot's own."""
