@@ -28,6 +28,8 @@ MOST_BYTES, MOST_FILM_BYTES = 150_000, 700_000
 SLOWLY_MS = 120_000
 FRAME_MS, LAST_MS = 70, 600
 THEME_MS = 1500
+THEMES = (("light", ""), ("dark", "_dark"))
+"""By theme, the end of a picture's name."""
 BODY_MS = 8000
 """A body of thirty links drawn without a graphics card needs some seconds until it stands still."""
 
@@ -58,7 +60,7 @@ def look(page: Page, view: str, settle_ms: int = 4000) -> None:
 
 def keep(page: Page, name: str) -> None:
     """Write the view as two small files, light and dark, once the page hears the robot: drawing a body may hold it up."""
-    for theme, suffix in (("light", ""), ("dark", "_dark")):
+    for theme, suffix in THEMES:
         page.emulate_media(color_scheme=theme)  # type: ignore[arg-type]
         page.wait_for_timeout(THEME_MS)
         page.wait_for_function("!document.body.innerText.includes('The link to the robot is lost')")
@@ -143,6 +145,22 @@ def take_all(browser: Browser, robot: Robot, folder: Path, name: str) -> None:
                 every_view(page, folder, f"{name}-{screen}-{theme}")
 
 
+def film_drive(browser: Browser, robot: Robot) -> None:
+    """The film of a first drive, light and dark."""
+    for theme, suffix in THEMES:
+        with shown(browser, robot, {"width": 1120, "height": 700}, theme) as page:
+            look(page, "drive")
+            film(page, f"drive{suffix}", lambda: drive_about(page), frame_ms=150, width=720, quality=45)
+
+
+def film_wave(browser: Browser, robot: Robot) -> None:
+    """The film of a humanoid that waves, light and dark."""
+    for theme, suffix in THEMES:
+        with shown(browser, robot, {"width": 640, "height": 520}, theme) as page:
+            look(page, "joints", BODY_MS)
+            film(page, f"wave{suffix}", lambda: beside(page, lambda: robot.move("/play/wave")))
+
+
 def of_lbr(browser: Browser, robot: Robot) -> None:
     """Drive, the rows, a table that runs, and a phone's code; the film: a first drive."""
     with shown(browser, robot, PHONE, "dark") as page:
@@ -160,9 +178,7 @@ def of_lbr(browser: Browser, robot: Robot) -> None:
         page.evaluate("document.querySelector('.dialog-veil').scrollTo(0, 0)")
         page.wait_for_timeout(500)
         keep(page, "rows_desk")
-    with shown(browser, robot, {"width": 1120, "height": 700}, "dark") as page:
-        look(page, "drive")
-        film(page, "drive", lambda: drive_about(page), frame_ms=150, width=720, quality=45)
+    film_drive(browser, robot)
     with shown(browser, robot, DESK, "dark") as page:
         robot.say("/behaviour/run/patrol")
         look(page, "behaviours", 6000)
@@ -188,9 +204,7 @@ def of_bioloid(browser: Browser, robot: Robot) -> None:
         keep(page, "joints_desk")
         look(page, "motions")
         keep(page, "motions_desk")
-    with shown(browser, robot, {"width": 640, "height": 520}, "dark") as page:
-        look(page, "joints", BODY_MS)
-        film(page, "wave", lambda: beside(page, lambda: robot.move("/play/wave")))
+    film_wave(browser, robot)
 
 
 def of_uxa90(browser: Browser, robot: Robot) -> None:
