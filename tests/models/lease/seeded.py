@@ -38,7 +38,7 @@ SEEDED = (
     Seeded(11, "a command counts from its arrival", 3),
     Seeded(12, "who asks, takes", 4),
     Seeded(13, "who insists is not noticed", 7, "ei"),
-    Seeded(14, "another machine is believed at once", 5, "ri"),
+    Seeded(14, "another machine is believed at once", 5, "rt"),
     Seeded(15, "a motion that a pause overtook counts", 3),
     Seeded(16, "a new drive knows of no stop", 6, "c"),
     Seeded(17, "setpoints may overtake each other", 3, ""),

@@ -24,7 +24,7 @@ COARSE_S = 15 / 128
 DRIVE = DriveSettings(max_run_s=3600.0, blocked_s=3600.0, accel_per_s=50.0)
 ROBOTEQ = RoboteqSettings(device="motors")
 TRACE = "@ "
-SHALLOW, DEEP = 20_000, 20_000_000
+SHALLOW, DEEP = 20_000, 60_000_000
 """Steps of one history: a seeded error is found soon, and what led to it is replayed; all states take long ones."""
 MOST_MEGABYTES = 8000
 

@@ -74,7 +74,7 @@ def test_the_times_of_the_model_have_the_order_of_lbrs_own():
 
 
 def test_the_model_has_no_state_in_which_a_property_is_broken(search):
-    found = search.run("", depth=DEEP // 20)
+    found = search.run("", depth=DEEP // 60)
     assert found.closed
     assert found.broken == 0
     assert found.states > 100_000
