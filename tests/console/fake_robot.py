@@ -113,7 +113,7 @@ class FakeRobot:
         payload = msgspec.json.decode(request.payload)
         lease = payload["lease"]
         if lease in self.dead:
-            request.reply(CommandReply(accepted=False, reason=self.dead[lease]), "drive")
+            request.reply(CommandReply(accepted=False, code="dead_lease", reason=self.dead[lease]), "drive")
             return
         self.renewed.append((time.monotonic(), payload))
         request.reply(CommandReply(accepted=True, lease=lease, ttl_s=0.3), "drive")
