@@ -60,6 +60,8 @@ def test_movers_and_drivers_outrank_a_program(robot):
     settings = '{"argv": ["/bin/sleep", "60"]}'
     robot.edit("INSERT INTO capability (robot, name, kind, settings) VALUES ('lbr', 'nap', 'exec', ?)", settings)
     until(lambda: robot.capability("nap").get("nice") == scheduling.BACKGROUND)
+    robot.edit("DELETE FROM capability WHERE name = 'nap'")
+    until(lambda: "nap" not in {unit["name"] for unit in robot.status()["capabilities"]})
 
 
 def holders(robot, *beginnings: str) -> set[int]:
