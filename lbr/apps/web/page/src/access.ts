@@ -35,6 +35,7 @@ export function told(answer: Pick<Answer, "code" | "reason">): string {
 }
 
 async function asked<T>(path: string, { method, body, keepalive, timeoutMs }: Required<Pick<Options, "method" | "keepalive" | "timeoutMs">> & { body?: unknown }): Promise<Answer<T>> {
+  const shown = token.value;
   try {
     const answer = await fetch(path, {
       method,
@@ -46,7 +47,7 @@ async function asked<T>(path: string, { method, body, keepalive, timeoutMs }: Re
     });
     const data = await read(answer);
     const reply = data as { accepted?: boolean; message?: string; reason?: string; code?: string | number; reason_code?: string; text?: string } | null;
-    if (answer.status === 401 && method === "GET") unknown.value = true;
+    if (answer.status === 401 && method === "GET" && token.value === shown) unknown.value = true;
     const refused = !answer.ok || reply?.accepted === false || (typeof reply?.code === "number" && reply.code !== 0);
     const code = typeof reply?.code === "string" ? reply.code : reply?.reason_code ?? "";
     return { ok: !refused, status: answer.status, code, reason: reply?.message ?? reply?.reason ?? reply?.text ?? "", data: data as T };

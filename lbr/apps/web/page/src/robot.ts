@@ -1,6 +1,6 @@
 // What the robot is: GET /api, asked again when its rows change; and what a page asks of it.
 import { computed, signal } from "@preact/signals";
-import { ask, forget, revoked, type Answer } from "./access";
+import { ask, forget, revoked, token, type Answer } from "./access";
 import { OLD, outdated } from "./build";
 import { notice } from "./notices";
 import { t } from "./words";
@@ -26,10 +26,11 @@ export function look(): Promise<void> {
 }
 
 async function looked(): Promise<void> {
+  const shown = token.value;
   const answer = await ask<Robot>("api", { quiet: true });
   away.value = answer.status === 0;
   if (answer.ok && answer.data) robot.value = whole(answer.data);
-  else if (answer.status === 401) await refused();
+  else if (answer.status === 401) await (token.value === shown ? refused() : looked()); // else it signed in meanwhile
   else again = setTimeout(() => void look(), AGAIN_MS);
 }
 
