@@ -49,7 +49,8 @@ SEEN_FOCUS = """async () => {
   const one = document.activeElement;
   if (!one || one === document.body) return ["", true];
   const rings = (shown) => (shown.outlineStyle !== "none" && parseFloat(shown.outlineWidth) > 0) || shown.boxShadow !== "none";
-  const ring = [one, one.parentElement].some((place) => rings(getComputedStyle(place)));  // a field shows it around its unit, too
+  const line = one.parentElement?.parentElement ?? one;  // a field shows it around its unit, too; a part's name around its line
+  const ring = [one, one.parentElement, line].some((place) => rings(getComputedStyle(place)));
   return [one.getAttribute("aria-label") || one.textContent.trim() || one.id, ring || one.id === "main"];
 }"""
 
