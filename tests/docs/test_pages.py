@@ -118,7 +118,7 @@ def test_every_column_of_every_table_is_in_the_reference():
     tables = [row[0] for row in database.execute("SELECT name FROM pragma_table_list WHERE schema = 'main'")]
     for table in (one for one in tables if not one.startswith("sqlite_")):
         for (column,) in database.execute("SELECT name FROM pragma_table_info(?)", (table,)):
-            assert f"\n|`{column}` " in sections[table], f"{table}.{column}"
+            assert f"\n|`{column}`" in sections[table], f"{table}.{column}"
     database.close()
 
 
