@@ -22,7 +22,7 @@ export async function ask<T>(path: string, { method = "GET", body, quiet = false
   return answer;
 }
 
-/** Codes that do not say what is wrong; the robot's sentence does. */
+/** Codes too general for a person: the robot's sentence names the fault. */
 const VAGUE = new Set(["failed", "bad_value", "malformed", "unknown_name", "unknown_command", "not_possible", "busy", "check", "wiring", "exists", "changed", "limit"]);
 
 /** What a person reads of a refusal: the page's own sentence for its code, or else what the code means and the robot's sentence, which is in English and so is left out of another language where the code says enough. */

@@ -139,7 +139,7 @@ function lost(): void {
   }
   link.value = "lost";
   again = setTimeout(connect, AGAIN_MS[Math.min(tries++, AGAIN_MS.length - 1)]);
-  void look(); // a browser does not say that a socket was refused
+  void look(); // a browser does not report that a socket was refused
 }
 
 /** Closes the socket; whoever listens hears nothing until `connect`. */

@@ -88,6 +88,7 @@ export const system = {
   "cameras.age": ["Picture {age} old", "Bild {age} alt"],
   "cameras.live": ["Live", "Live"],
   "cameras.keep": ["Keep this picture", "Bild aufheben"],
+  "cameras.kept.robot": ["The picture is kept on the robot", "Das Bild liegt auf dem Roboter"],
   "cameras.kept": ["The picture is kept on the robot, and in your downloads", "Das Bild liegt auf dem Roboter und bei Ihren Downloads"],
   "rows.role": ["Rows are for those who may operate the robot", "Zeilen sind für alle, die den Roboter bedienen dürfen"],
   "rows.table": ["Table", "Tabelle"],

@@ -167,7 +167,7 @@ const reasonOf = ({ code, reason }: DriveState): string => (language.value !== "
 /** This page stopped it a moment ago, and says so already. */
 const justStopped = (): boolean => notices.value.some((one) => one.text === t("stop.stopped"));
 
-/** Its holder ended it, which stops nobody else, or a stop on a page, which tells of itself: nothing keeps the robot from moving. */
+/** Its own holder ended it, or a page stopped it and shows that itself: nothing keeps the robot from moving. */
 const byHand = (drive: DriveState): boolean =>
   drive.code === "stopped" && (drive.stopped_s !== drive.halted_s || (drive.stopped_by ?? "").startsWith("web:"));
 

@@ -16,9 +16,9 @@ export function Box() {
 function Tools({ of }: { of: Capability }) {
   const state = useStream<BoxState>(`${of.name}/state`)?.message;
   const recording = Boolean(state?.recording);
-  const ask = async (name: string, message: unknown, said = ""): Promise<void> => {
+  const ask = async (name: string, message: unknown, effect = ""): Promise<void> => {
     const answer = await command(of.name, name, message, { quiet: true });
-    notice(answer.ok ? said || answer.data?.reason || t("box.done") : told(answer), answer.ok ? "good" : "warn");
+    notice(answer.ok ? effect || answer.data?.reason || t("box.done") : told(answer), answer.ok ? "good" : "warn");
   };
   return (
     <div class="system-box" role="group" aria-label={t("box.title")}>

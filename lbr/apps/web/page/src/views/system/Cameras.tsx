@@ -24,9 +24,9 @@ function Camera({ of }: { of: Capability }) {
   const snapshot = async (): Promise<void> => {
     const answer = await command(of.name, "snapshot", {});
     if (!answer.ok) return;
-    notice(t("cameras.kept"), "good");
     const picture = await fetch(`snapshot.jpg?camera=${encodeURIComponent(of.name.replace(PREFIX, ""))}`).catch(() => null);
     if (picture?.ok) save(`${of.name}.jpg`, new Uint8Array(await picture.arrayBuffer()));
+    notice(t(picture?.ok ? "cameras.kept" : "cameras.kept.robot"), "good");
   };
   return (
     <section class="camera" aria-label={plain(of.name)}>
