@@ -1,5 +1,6 @@
 """`lbr demo`: a simulated robot shows what it can do, by commands that are printed as they would be typed."""
 
+import json
 import shlex
 import subprocess
 import sys
@@ -10,7 +11,7 @@ import click
 
 from lbr.capability.die_with_parent import dying_with_parent
 from lbr.commands.options import DEFAULT_PROFILE, complete_profile
-from lbr.errors import InputError
+from lbr.errors import InputError, LbrError
 from lbr.executive.planning import profile as profiles
 
 LBR = (sys.executable, "-P", "-m", "lbr.start")
@@ -47,9 +48,14 @@ def _running(profile: str) -> Iterator[None]:
     click.echo(f"$ lbr run {profile}")
     argv = dying_with_parent((*LBR, "run", profile, "--no-console"))
     with subprocess.Popen(argv, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True) as robot:
+        assert robot.stdout is not None
         try:
-            if robot.stdout is None or not robot.stdout.readline():
+            if not (line := robot.stdout.readline()):
                 raise click.exceptions.Exit(robot.wait())  # it has printed why
+            start = json.loads(line)
+            if not start["ready"]:
+                reasons = "; ".join(f"{name}: {reason}" for name, reason in start["failed"].items())
+                raise LbrError(f"launch profile '{profile}' is not ready: {reasons}")
             yield
         finally:
             robot.terminate()

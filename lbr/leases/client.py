@@ -187,7 +187,7 @@ class LeaseClient:
                 self._refused(reply, now)
 
     def _refused(self, reply: CommandReply, now: float) -> None:
-        """Give up. A refused change halts what went before; the result of that halt does not say why."""
+        """Give up. A refused change halts the earlier motion; the reason is the refusal, not the result of the halt."""
         if self._lost is None:
             if reply.code != "dead_lease":
                 self._halt(reply.why.text)

@@ -32,7 +32,10 @@ class Plugged:
 
     def __init__(self, ctx: Context, around: Surroundings) -> None:  # type: ignore[type-arg]  # any world's
         self._ctx = ctx
-        self._around = replace(around, apart=frozenset(str(one.settings.get("sensor")) for one in ctx.devices))
+        self._around = replace(
+            around,
+            apart=frozenset(str(device.settings["sensor"]) for device in ctx.devices if "sensor" in device.settings),
+        )
         self._by_name: dict[str, Twin] = {}
         types = sorted({device.type for device in ctx.devices})
         self._refused: list[str] = [said for one in types for said in twins.refused(one)]

@@ -68,7 +68,7 @@ def test_the_emergency_stop_is_acknowledged_at_rest_and_in_mid_motion(asked: tup
 
 
 def acknowledged(robot: Robot) -> None:
-    """Press, and wait for what the devices say: a busy machine may take longer than the answer to the line waits."""
+    """Press the emergency stop, and wait for all acknowledgements; the answer to the line waits half a second only."""
     answer = robot.line("estop")
     state = until(lambda: engaged_and_acknowledged(robot), what="the acknowledgements")
     assert answer["code"] == 1 or answer["text"] == state["text"]

@@ -142,7 +142,9 @@ class Behaviours(Capability[BehaviourSettings]):
                 call.reply(CommandReply(accepted=True, reason=text))
             case "run":
                 assert isinstance(message, RunBehaviour)
-                call.reply(CommandReply(accepted=True, reason=self._begin(message.name, call)))
+                begun = self._begin(message.name, call)
+                self._publish()  # whoever got the answer finds the new run in the state
+                call.reply(CommandReply(accepted=True, reason=begun))
             case "rows":
                 self._follow()
                 call.reply(CommandReply(accepted=True))

@@ -258,14 +258,14 @@ def test_a_hand_whose_words_are_old_is_slowed_and_told_how_old_they_are(served, 
     said, links = iter(range(1, 10_000)), []
 
     def slows(frame):
-        """Whether the base moves at the speed that is due, and the page was told so, which comes a frame later."""
+        """Return whether the base moves at the speed that is due, and the page has the report, a frame later."""
         one.say(hold=FORWARD | {"n": next(said)}, t=frame["t"] - age_ms)
         links.extend([frame["link"]] if "link" in frame else [])
         moves = [move["power"] for _, _, move in served.bus.lent.moves if "power" in move]
         if not (links and moves):
             return False
-        told = (links[-1]["speed"] < 1, links[-1]["age_ms"] > FULL_S * 1000)
-        return (moves[-1] < FORWARD["message"]["power"], *told) == (slowed, slowed, slowed)
+        reported = (links[-1]["speed"] < 1, links[-1]["age_ms"] > FULL_S * 1000)
+        return (moves[-1] < FORWARD["message"]["power"], *reported) == (slowed, slowed, slowed)
 
     with page(served) as one:
         one.until(slows, HANG_S)

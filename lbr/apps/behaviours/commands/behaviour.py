@@ -1,13 +1,11 @@
 """`lbr behaviour`: state tables from spreadsheets and back, checked, drawn, and run."""
 
 import re
-import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import click
-import msgspec
 
 from lbr import home
 from lbr.apps.behaviours import drawing, files, keys, outputs, texts
@@ -31,14 +29,13 @@ from lbr.commands.options import FileName, Whom, database_option, json_option, p
 from lbr.commands.rows import opened, problems_of, robot_in, wiring_of
 from lbr.database import edits, given_files
 from lbr.database.rows import RobotRows
-from lbr.errors import BusError, InputError, RowError
+from lbr.errors import InputError, RowError
 from lbr.messages.behaviour import BehaviourRow, BehaviourState, BehaviourTable
 from lbr.messages.plain import one_line
 from lbr.messages.sensing import RING, RangeSensor
 from lbr.messages.units import NAME_PATTERN
 from lbr.names import name_from
 
-LOOK_S = 0.2
 robot_option = click.option("--robot", metavar="NAME", help="Whose behaviours; the usual robot's if left out.")
 
 
@@ -232,29 +229,7 @@ def _word(name: str, text: str) -> None:
 def run(context: click.Context, table: str, whom: Whom, wait: bool, as_json: bool) -> object:
     """Have a running robot run TABLE from its start; it goes on without this command, and 'lbr behaviour stop' ends
     it."""
-    code = _send(context, f"/behaviour/run/{table}", whom, as_json=as_json)
-    return code or (_end(whom) if wait else 0)
-
-
-def _end(whom: Whom) -> int:
-    """Wait for the end of the run, print each of its states, and return the exit code."""
-    from lbr.bus import wire  # noqa: PLC0415 - the bus is for those who use it
-    from lbr.console import target  # noqa: PLC0415
-
-    robot, at = target.find(*whom), ""
-    with target.connected(robot) as bus:
-        while True:
-            answers = wire.ask(bus, f"{robot.robot}/behaviour/state", None, source=target.source("lbr behaviour"))
-            if not answers:
-                raise BusError(f"robot '{robot.robot}' does not report its run: 'lbr behaviour why' asks again")
-            state = msgspec.json.decode(answers[0].payload, type=BehaviourState)
-            if state.phase in {"ended", "resting"}:
-                click.echo(f"{state.state}: {state.reason}", err=not state.good)
-                return 0 if state.good else 1
-            if state.state != at:
-                at = state.state
-                click.echo(f"{at} ...")
-            time.sleep(LOOK_S)
+    return _send(context, f"/behaviour/run/{table}", whom, as_json=as_json, wait=wait)
 
 
 for _name, _text in (
@@ -267,18 +242,11 @@ for _name, _text in (
     _word(_name, _text)
 
 
-def _send(context: click.Context, line: str, whom: Whom, *, as_json: bool) -> object:
-    from lbr.commands import send  # noqa: PLC0415 - the bus is for those who use it
+def _send(context: click.Context, line: str, whom: Whom, *, as_json: bool, wait: bool = False) -> object:
+    from lbr.apps.behaviours.commands import running  # noqa: PLC0415 - the bus is for those who use it
 
-    return context.invoke(
-        send.command,
-        words=(line,),
-        robot=whom.robot,
-        connect=whom.connect,
-        token_file=whom.token_file,
-        hold_s=5.0,
-        as_json=as_json,
-    )
+    code = running.send_line(context, line, whom, as_json=as_json)
+    return running.wait_for_end(whom, as_json=as_json) if wait and code == 0 else code
 
 
 def chosen(
