@@ -1,6 +1,6 @@
 """Driving a distance by the wheels: the speed near its end, the arrival, and wheels that do not follow."""
 
-from math import cos, isnan, nan, radians
+from math import cos, inf, isnan, nan, radians
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -72,12 +72,16 @@ def start(command: DriveCommand, odometry: OdometryView, settings: DriveSettings
 
 
 def watch(way: DistanceGoal, odometry: OdometryView, pushing: float, settings: DriveSettings) -> DistanceGoal:
-    """Return the goal after new odometry, while the wheels have the power `pushing`."""
+    """Return the goal after new odometry, while the wheels have the power `pushing`.
+
+    Odometry that comes to rest has stood for longer than `SETTLE_S`, and its next message comes late.
+    """
     if odometry.trouble or odometry.epoch != way.epoch:
         return replace(way, odometry=odometry)
+    rested = odometry.rests and not way.odometry.rests
     way = replace(way, odometry=odometry)
     still = way.left_m <= settings.distance_tolerance_m and abs(odometry.speed_mps) <= STANDING_MPS
-    since = odometry.seen if isnan(way.quiet) else way.quiet
+    since = -inf if rested else odometry.seen if isnan(way.quiet) else way.quiet
     return replace(way, quiet=since if still and pushing == 0.0 else nan)
 
 

@@ -69,6 +69,39 @@ def test_a_distance_begins_by_odometry_at_rest_and_ends_without_it_as_ever(speak
     assert [ends in result.reason for result in body.results] == [True] * bool(ends)
 
 
+def test_a_distance_is_over_with_the_odometry_that_comes_to_rest_as_the_next_comes_late():
+    body = Body()
+    command = {"power": 0.4, "distance_cm": 50.0}
+    reply = body.drive(**command)
+
+    def step(ticks):
+        for _ in range(ticks):
+            body.sense()
+            body.drive(**command, lease=reply.lease)
+            body.step()
+
+    step(5)
+    while body.wheels != STILL:
+        step(1)
+    body.odometry_speaks = False
+    step(10)
+    body.count(distance_m=body.way_m, speed_mps=0.0, rests=True)
+    step(20)
+    assert [result.result for result in body.results] == ["reached"]
+
+
+def test_a_short_distance_is_not_over_by_the_rest_before_it():
+    body = Body()
+    body.now += 0.01
+    body.count(distance_m=0.0, speed_mps=0.0, rests=True)
+    reply = body.drive(0.4, distance_cm=2.0)
+    assert reply.accepted, reply.reason
+    body.now += 0.01
+    body.count(distance_m=0.0, speed_mps=0.0, rests=True)
+    body.step()
+    assert body.results == []
+
+
 def resting_body(age_s):
     body = Body()
     body.now += 0.01
