@@ -1,7 +1,7 @@
 """Run a benchmark by its name: `python -m benchmarks safety --gate`. Without a name, list all.
 
 `--json FILE` keeps the results; `python -m benchmarks safety --merge FILE --write-docs` puts them into the table in
-docs/reference/figures.md. `--smoke` shows in seconds that a benchmark still works: only violations count, not
+benchmarks/figures.md. `--smoke` shows in seconds that a benchmark still works: only violations count, not
 durations. Without a name, it runs all of them, several at a time. Exit code 1 if a hard value is broken.
 """
 

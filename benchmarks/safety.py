@@ -3,7 +3,7 @@
 `python -m benchmarks safety --n 30` is about a tenth of the full amount; `--only S1,S3` runs a few scenarios. `--gate`
 tries everything in under five minutes, several at a time, for hard values only. `--full` is the whole amount in ten
 rounds, `--minutes 120` as many of them as fit. `--merge FILE` adds a benchmark's `--json` file to
-benchmarks/results.json, and `--write-docs` makes the table in docs/reference/figures.md of that. Exit code 1 if a hard
+benchmarks/results.json, and `--write-docs` makes the table in benchmarks/figures.md of that. Exit code 1 if a hard
 value is broken.
 
 Most scenarios run the base of lbr alone: motors, ranges, drive and world. With `--whole` they run lbr-sim as it ships.
@@ -53,7 +53,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--whole", action="store_true", help="on lbr-sim as it ships, not on its base")
     parser.add_argument("--load", default="nothing else running", help="what else the machine does, for the record")
     parser.add_argument("--merge", type=Path, nargs="+", default=[], metavar="FILE", help="keep these results")
-    parser.add_argument("--write-docs", action="store_true", help="fill docs/reference/figures.md from what is kept")
+    parser.add_argument("--write-docs", action="store_true", help="fill benchmarks/figures.md from what is kept")
 
 
 def measure(given: argparse.Namespace) -> Measured | None:

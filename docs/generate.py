@@ -16,7 +16,7 @@ from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, get_args
 
 import click
 import msgspec
@@ -42,6 +42,7 @@ from lbr.executive.planning.wiring import EXECUTIVE, EXECUTIVE_VERBS, least_role
 from lbr.executive.service.completion_values import REPORTS
 from lbr.executive.service.journal import CODES
 from lbr.messages import codes, system
+from lbr.messages.gamepad import Button
 from lbr.messages.leases import CommandReply
 from lbr.messages.rows import Row
 from lbr.messages.system import Role, higher
@@ -63,7 +64,7 @@ def main(arguments: list[str]) -> int:
         return 1
     named = arguments[arguments.index("--step") + 1 :] if "--step" in arguments else []
     if (changed := other_tables()) and not named:
-        print(f"tables that are others now: {', '.join(changed)}; python docs/generate.py --step NAME", file=sys.stderr)
+        print(f"tables that have changed: {', '.join(changed)}; python docs/generate.py --step NAME", file=sys.stderr)
         return 1
     if changed:
         write_step(named[0], changed)
@@ -457,7 +458,7 @@ def _plain_words(kind: inspect.Type) -> str:  # noqa: C901, PLR0911 - a table of
             longest = f"≤{kind.max_length}" if kind.max_length else ""
             return f"`{_escape(kind.pattern)}`" if kind.pattern else f"text{longest}"
         case inspect.LiteralType():
-            return "`" + ",".join(msgspec.json.encode(value).decode() for value in kind.values) + "`"
+            return "*button*" if {*kind.values} == {*get_args(Button)} else _literals(kind.values)
         case inspect.VarTupleType() | inspect.ListType():
             return _list_of(type_words(kind.item_type)[0])
         case inspect.TupleType():
@@ -473,6 +474,10 @@ def _plain_words(kind: inspect.Type) -> str:  # noqa: C901, PLR0911 - a table of
             return "null"
         case _:
             return "anything"
+
+
+def _literals(values: Iterable[Any]) -> str:
+    return "`" + ",".join(msgspec.json.encode(value).decode() for value in values) + "`"
 
 
 def _list_of(item: str) -> str:
@@ -591,8 +596,8 @@ def topics_page(known: list[Kind]) -> str:
     parts.append(
         "A field is shown with its default; a field without default is required. A type is named where neither default nor "
         "unit shows it; without any of these it is a text. `?`: or null. `A→B`: an object, `A` its keys; `[A]`: a list. *name*: small "
-        "letters, digits and underscores, at most 40. Several fields in a row share the explanation of the first. These are "
-        "explained once:\n"
+        "letters, digits and underscores, at most 40. *button*: "
+        f"{_literals(get_args(Button))}. Several fields in a row share the explanation of the first. These are explained once:\n"
     )
     shown = {field.encode_name: _allowed(field) for field in common.values()}
     parts.append(
@@ -671,8 +676,9 @@ def settings_page(known: list[Kind]) -> str:
             "refused. `lbr get PART` prints the settings of a part, `lbr set PART.SETTING VALUE` changes one.\n"
         ),
         (
-            "*name*: small letters, digits and underscores, at most 40. `?`: or null. `A→B`: an object, `A` its keys; `[A]`: a list. A setting `device` names a row of the table "
-            "`device`, whose type is that of the kind. These settings mean the same in every kind:\n"
+            "*name*: small letters, digits and underscores, at most 40. *button*: one of a gamepad "
+            "([list](topics.md#messages)). `?`: or null. `A→B`: an object, `A` its keys; `[A]`: a list. A setting `device` "
+            "names a row of the table `device`, whose type is that of the kind. These settings mean the same in every kind:\n"
         ),
         _table(("setting", "default", "allowed", "effect"), sorted(map(_common_setting, common.values()))),
     ]
@@ -746,7 +752,7 @@ def _faults(struct: type[Struct]) -> str:
 
 
 def console_page() -> str:
-    """Return the reference of what can be said to the robots that come with lbr."""
+    """Return the reference of the words of the robots that come with lbr."""
     parts = [
         "# Words of the console\n",
         (
@@ -755,15 +761,15 @@ def console_page() -> str:
         ),
         (
             "A line that starts with a slash is split at its slashes; doubled slashes count once. Bare words without an exact "
-            "match are looked up in small letters. A word needs the role that its row or kind names, or that of its command, "
-            "if that is higher. What `executive` does by itself: "
+            "match are looked up in small letters. A word needs the role that is shown, or a higher one. What `executive` does "
+            "by itself: "
             + ", ".join(f"`{name}`" for name in sorted(EXECUTIVE_VERBS))
             + f". Reports: {', '.join(f'`{name}`' for name in REPORTS)}.\n"
         ),
         "## Every robot\n",
         "No row may replace one of these, in capital letters or small ones.\n",
         _table(
-            ("say", "what it does", "least role"),
+            ("say", "effect", "role"),
             _by_meaning((row.pattern, row.help, row.role) for row in builtin.WORDS),
         ),
         "A row of the robot may replace these.\n",
@@ -792,7 +798,7 @@ def console_page() -> str:
             (f"`{row.name}`", row.help, _arguments(row), f"`{' '.join(row.argv)}`", row.role, _waits(row))
             for row in rows.external_commands
         ]
-        head = ("say", "what it does", "arguments", "runs", "least role", "the console")
+        head = ("say", "effect", "arguments", "runs", "role", "the console")
         parts += ["### External commands\n", _table(head, commands)] if commands else []
     return "\n".join(parts)
 
@@ -815,7 +821,7 @@ def _words(rows: Iterable[VerbRow], needed: Mapping[str, Role], *, asks: bool = 
         target = f"`{row.target if asks else row.target.partition('.')[2]}{_payload(row)}`"
         role = higher(row.role, needed.get(row.target, "view"))
         lines.append((row.pattern, row.help.removeprefix("Simulation: "), target, role))
-    return _table(("say", "what it does", "asks", "least role"), _by_meaning(lines))
+    return _table(("say", "effect", "asks", "role"), _by_meaning(lines))
 
 
 def _by_meaning(lines: Iterable[tuple[str, ...]]) -> list[tuple[str, ...]]:
@@ -866,6 +872,8 @@ COMMON_OPTIONS = {
     "--token-file": "the file with the token for `--connect`; else it is `LBR_TOKEN`, a saved one, or asked for",
     "--json": "print JSON, for programs",
     "--db": "the database; `$LBR_HOME/robot.db` if left out",
+    "--dry-run": "show the effects, and write nothing",
+    "--revision": "refuse if the rows have changed since this revision",
 }
 
 

@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from os.path import normpath
 from pathlib import Path
 
 from pygments.lexers.special import TextLexer
@@ -10,10 +11,20 @@ from sphinx.application import Sphinx
 ROOT = Path(__file__).resolve().parents[2]
 
 _ROW = re.compile(r"^\| \*\*(.+)\*\* \| (.+) \|$", re.MULTILINE)
-PAGES = {
-    heading: re.findall(r"\]\((\S+)\.md\)", links) for heading, links in _ROW.findall((ROOT / "README.md").read_text())
-}
+
+
+def _listed_in(page: str) -> dict[str, list[str]]:
+    rows = _ROW.findall((ROOT / page).read_text())
+    folder = Path(page).parent
+    return {
+        heading: [normpath(folder / link) for link in re.findall(r"\]\((\S+)\.md\)", links)] for heading, links in rows
+    }
+
+
+PAGES = _listed_in("README.md")
 """What stands beside each page, by heading: the table at the end of README.md."""
+DEEPER = [page for pages in _listed_in("docs/architecture.md").values() for page in pages]
+"""The pages for developers below that of the architecture: the table at its end."""
 PARTS = sorted(
     str(page.relative_to(ROOT).with_suffix(""))
     for pattern in ("apps/*", "robots/*", "simulation", "operations")
@@ -29,7 +40,7 @@ author = "the authors of lbr"
 html_title = f"lbr {version}"
 
 root_doc = "README"
-include_patterns = [f"{page}.md" for pages in PAGES.values() for page in pages]
+include_patterns = [f"{page}.md" for pages in (*PAGES.values(), DEEPER) for page in pages]
 include_patterns += ["README.md", "docs/decisions/0*.md", *(f"{part}.md" for part in PARTS)]
 extensions = ["myst_parser"]
 myst_heading_anchors = 4
@@ -59,7 +70,7 @@ def _listed() -> str:
 
 
 def _read(_app: Sphinx, name: str, source: list[str]) -> None:
-    """Add what stands beside the pages to the front page, the decisions to their list, and the parts to the architecture.
+    """Add the menu to the front page, the decisions to their list, and the developers' pages and the parts to the architecture.
 
     A picture that has a dark one beside it becomes both: the theme shows either.
     """
@@ -70,8 +81,9 @@ def _read(_app: Sphinx, name: str, source: list[str]) -> None:
         records = sorted(path.stem for path in (ROOT / "docs" / "decisions").glob("0*.md"))
         source[0] += "\n\n```{toctree}\n\n" + "\n".join(records) + "\n```\n"
     elif name == "docs/architecture":
-        parts = "\n".join(f"{part.split('/', 1)[1].removesuffix('/README')} </{part}>" for part in PARTS)
-        source[0] += f"\n\n```{{toctree}}\n:hidden:\n\n{parts}\n```\n"
+        deeper = [f"/{page}" for page in DEEPER]
+        parts = [f"{part.split('/', 1)[1].removesuffix('/README')} </{part}>" for part in PARTS]
+        source[0] += "\n\n```{toctree}\n:hidden:\n\n" + "\n".join([*deeper, *parts]) + "\n```\n"
 
 
 def _by_theme(page: Path, begin: str, picture: str) -> str:

@@ -1,4 +1,4 @@
-"""The newest result of every figure, from all benchmarks: a small file, and the table in docs/reference/figures.md."""
+"""The newest result of every figure, from all benchmarks: a small file, and the table in benchmarks/figures.md."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from msgspec import Struct
 from tests.support.figures import Report, Summary, rows, summary
 
 ROOT = Path(__file__).resolve().parents[2]
-DOCS = ROOT / "docs" / "reference" / "figures.md"
+DOCS = ROOT / "benchmarks" / "figures.md"
 RESULTS = ROOT / "benchmarks" / "results.json"
 BEGIN, END = "<!-- figures:begin -->", "<!-- figures:end -->"
 FAMILIES = "SEFTPDZABK"
@@ -16,8 +16,8 @@ ABOUT = """Times are in milliseconds and run to motor zero, unless the figure sa
 passed; *none*: no violation is allowed. Without a verdict a figure is met. N tries without a failure leave 3/N possible
 (95 %). *Robot*: *base* has the capabilities motors, ranges, drive and world of lbr-sim, *whole* is lbr-sim as it ships;
 empty: no robot, or the base with the named part. Load by the figure's name: *H* four busy loops, *G* these and floods of
-20,000 messages, *clock* a wall clock that jumps. [results.json](../../benchmarks/results.json) has the machine, the time and
-the load of each, [anchors.py](../../tests/support/anchors.py) the best figures known of others."""
+20,000 messages, *clock* a wall clock that jumps. [results.json](results.json) has the machine, the time and
+the load of each, [anchors.py](../tests/support/anchors.py) the best figures known of others."""
 
 
 class Ledger(Struct, kw_only=True):
