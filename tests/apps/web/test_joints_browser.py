@@ -226,13 +226,18 @@ def test_a_refusal_has_the_button_that_mends_it(opened, robot):
     assert robot.held[-1]["message"]["take_over"] is True
 
 
-def test_a_motion_is_played_and_ended(opened, robot):
+def test_a_motion_is_played_and_ended_and_moves_no_button_away(opened, robot):
     page = opened("motions", PHONE)
+    place = "document.querySelector('.motions-list').offsetTop"
+    page.locator(".motions-list").wait_for()
+    stands = page.evaluate(place)
     page.get_by_role("button", name="Play wave", exact=True).click()
     assert within(page, lambda: robot.held)
     assert robot.held[-1]["to"] == "motions/play"
     assert robot.held[-1]["message"] == {"motion": "wave", "times": 1, "speed": 1, "mirror": False}
     expect(page.locator(".motions-playing")).to_contain_text("wave")
+    expect(page.locator(".motions-playing polygon").first).to_be_visible()
+    assert page.evaluate(place) == stands
     page.get_by_role("button", name="End it").click()
     assert within(page, lambda: not robot.playing)
 
@@ -281,6 +286,16 @@ def test_a_motion_that_is_being_built_moves_the_drawing_alone(opened, robot):
     assert len(frames) == 2
     assert frames[0]["positions"]["left_elbow"] == 0.0
     assert abs(frames[1]["positions"]["left_elbow"]) > 0.05
+
+
+def test_a_pose_is_turned_beside_its_drawing_on_a_phone(building):
+    page = building(PHONE, STANDS)
+    page.get_by_label("Joint", exact=True).select_option("left_elbow")
+    drawn = page.locator(".motions-puppet").bounding_box()
+    turned = page.get_by_label("Angle in degrees").bounding_box()
+    assert drawn is not None
+    assert turned is not None
+    assert 0 < turned["y"] - drawn["y"] < PHONE["viewport"]["height"] - 2 * 80
 
 
 def test_key_frames_are_copied_moved_taken_out_and_taken_back_by_the_keyboard(building):
@@ -410,5 +425,7 @@ def test_a_robot_that_lies_is_shown_above_every_view_with_what_gets_it_up(opened
     assert banner.locator("p").bounding_box()["width"] > 180, "in two lines at most"
     banner.get_by_role("button", name="Get up").click()
     assert within(page, lambda: robot.held and robot.held[-1]["message"]["motion"] == "get_up_face")
+    rises = page.get_by_role("alert").filter(has_text="It gets up")
+    expect(rises).to_be_visible()
     robot.fallen = ""
-    expect(banner).to_have_count(0)
+    expect(rises).to_have_count(0)

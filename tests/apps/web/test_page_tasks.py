@@ -352,13 +352,13 @@ def test_arm_the_shutdown_guard(at):
 
 def test_have_it_stand_up(at):
     page, robot = at("uxa90", "motions")
-    press(page, "Play basic motion", exact=True)
+    press(page, "Play walking stance", exact=True)
     assert within(page, lambda: robot.held and robot.held[-1]["message"]["motion"] == "basic_motion")
 
 
 def test_press_a_key_of_the_remote_control(at):
     page, robot = at("uxa90", "motions")
-    page.get_by_role("region", name="Remote control").get_by_role("button", name="kick right").click()
+    page.get_by_role("region", name="Remote control").get_by_role("button", name="kick with the right foot").click()
     assert within(page, lambda: robot.held and robot.held[-1]["message"]["motion"] == "kick_right")
 
 

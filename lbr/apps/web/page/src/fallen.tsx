@@ -15,13 +15,14 @@ export function Fallen() {
   if (!lies) return null;
   const motion = `get_up_${lies}`;
   const gets = may("operate") && (robot.value?.motions.some((one) => one["name"] === motion) ?? false);
+  const rises = state.playing && state.motion?.startsWith("get_up_");
   const world = robot.value?.capabilities.find((one) => one.commands["pick_up"] && may(one.commands["pick_up"].role));
   return (
     <div class="alarm alarm-stop" role="alert">
       <Icon name="warn" />
-      <p><strong>{t(`fallen.${lies}`)}</strong></p>
-      {gets && <Button icon="play" disabled={estop.value.engaged || state.playing} onClick={() => holding.play(`${stream.split("/")[0]}/play`, { motion, times: 1 })}>{t("fallen.up")}</Button>}
-      {world && <Button icon="person" onClick={() => void command(world.name, "pick_up", {})}>{t("fallen.pick")}</Button>}
+      <p><strong>{t(rises ? "fallen.rises" : `fallen.${lies}`)}</strong></p>
+      {gets && !rises && <Button icon="play" disabled={estop.value.engaged || state.playing} onClick={() => holding.play(`${stream.split("/")[0]}/play`, { motion, times: 1 })}>{t("fallen.up")}</Button>}
+      {world && !rises && <Button icon="person" onClick={() => void command(world.name, "pick_up", {})}>{t("fallen.pick")}</Button>}
     </div>
   );
 }

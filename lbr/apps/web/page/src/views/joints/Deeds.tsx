@@ -1,12 +1,11 @@
 // What the robot can do, beside its body: a few motions by one press, and the one that is played.
 import { useMemo } from "preact/hooks";
-import { plain } from "../../format";
 import { holding } from "../../holding";
 import { Button } from "../../parts";
 import { command, may, robot, streamOfType } from "../../robot";
 import { estop } from "../../stopping";
 import { t } from "../../words";
-import { buttons, deeds, keyName, Progress, rows, type MotionsState } from "../motions/data";
+import { deedName, deeds, Progress, rows, type MotionsState } from "../motions/data";
 import { Playing } from "../motions/Playing";
 import { ownerOf, useCalm } from "./hooks";
 
@@ -22,16 +21,12 @@ export function Deeds({ said }: { said: string }) {
     holding.release();
     void command(owner, "stop", { reason: "from the page" }, { quiet: true });
   };
-  const can = may("operate") && !estop.value.engaged && !state?.playing;
-  const named = (motion: string): string => {
-    const key = buttons().find((one) => one.motion === motion);
-    return key ? keyName(key) : plain(motion);
-  };
+  const can = may("operate") && !estop.value.engaged && !state?.playing && !state?.fallen;
   return (
     <section class="joints-deeds" aria-label={t("joints.deeds")}>
       <Playing state={state} part={progress.part(state)} said={said} onStop={end} />
       <div class="joints-deeds-all">
-        {offered.map((one) => <Button key={one.name} icon="play" title={one.help} disabled={!can} onClick={() => holding.play(`${owner}/play`, { motion: one.name, times: 1 })}>{named(one.name)}</Button>)}
+        {offered.map((one) => <Button key={one.name} icon="play" title={one.help} disabled={!can} onClick={() => holding.play(`${owner}/play`, { motion: one.name, times: 1 })}>{deedName(one.name)}</Button>)}
         <a class="button button-quiet" href="#motions">{t("joints.deeds.all")}</a>
       </div>
     </section>

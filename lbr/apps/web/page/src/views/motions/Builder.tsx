@@ -58,8 +58,10 @@ export function Builder({ model, motions, player }: { model: BodyModel; motions:
   /** A limb that is pressed has its slider in sight. */
   const choose = (name: string): void => {
     pick(name);
-    if (name) requestAnimationFrame(() => document.querySelector(".motions-number")?.scrollIntoView({ block: "center", behavior: "smooth" }));
+    if (name) requestAnimationFrame(() => document.querySelector(".motions-number")?.scrollIntoView({ block: "nearest", behavior: "smooth" }));
   };
+  const narrow = useNarrow();
+  const one = joint && frame && <One joint={joint} model={model} value={pose[joint] ?? 0} onPut={(positions) => put(positions, joint)} other={mirrored(joint, names)} />;
   const capture = (): void => { if (state) append(measured()); };
   const acts: Acts = {
     add: () => append(frame ? poseAt(now.frames, at) : zero(model)),
@@ -103,6 +105,7 @@ export function Builder({ model, motions, player }: { model: BodyModel; motions:
     <div class="motions-builder">
       <div class="motions-build-main">
         <Puppet model={model} pose={pose} tilt={time !== null && sample ? sample : null} selected={joint} drags={time === null && frame !== undefined && !live} live={live} onPick={choose} onDrag={(name, rad) => put({ [name]: rad }, name)} />
+        {narrow && one && <Card>{one}</Card>}
         <Timeline model={model} time={time} report={report} wrong={new Set(limits.map((one) => one.frame))} onTime={setTime} />
         <Tools acts={acts} frame={frame !== undefined}>
           <Preview whole={lasts(now.frames)} time={time} onTime={(s) => { goLive(false); setTime(s); }} />
@@ -127,7 +130,7 @@ export function Builder({ model, motions, player }: { model: BodyModel; motions:
           <Card title={t("motions.frame.at", { frame: at + 1, of: now.frames.length })} icon="joints">
             <Slider label={t("motions.keep.lasts")} min={SHORTEST_S} max={Math.max(5, Math.ceil(frame.duration_s))} step={0.05} value={frame.duration_s} show={(value) => `${number(value, 2)} s`} onInput={(value) => change(replaced(now, at, { duration_s: value }), `lasts-${at}`)} />
             <Choice label={t("motions.joint")} value={joint} options={[{ value: "", text: t("motions.joint.none") }, ...names.map((name) => ({ value: name, text: plain(name) }))]} onChange={pick} />
-            {joint && <One joint={joint} model={model} value={pose[joint] ?? 0} onPut={(positions) => put(positions, joint)} other={mirrored(joint, names)} />}
+            {!narrow && one}
           </Card>
         )}
         <CheckCard sample={sample && report?.falls_s != null && sample.t_s > report.falls_s ? null : sample} empty={now.frames.length === 0 || limits.length > 0} onCheck={() => void run()} />
@@ -142,6 +145,19 @@ export function Builder({ model, motions, player }: { model: BodyModel; motions:
       </Dialog>
     </div>
   );
+}
+
+const NARROW = matchMedia("(max-width: 1039.98px)");
+
+/** Whether the drawing and what turns its joints stand in one column. */
+function useNarrow(): boolean {
+  const [narrow, note] = useState(NARROW.matches);
+  useEffect(() => {
+    const changed = (): void => note(NARROW.matches);
+    NARROW.addEventListener("change", changed);
+    return () => NARROW.removeEventListener("change", changed);
+  }, []);
+  return narrow;
 }
 
 /** Begins to watch; what it returns says whether nothing was touched since, and the page was seen all the time. */

@@ -170,4 +170,4 @@ function Versions({ name, model, mayRestore, onDone }: { name: string; model: Bo
   );
 }
 
-const when = (iso: string): string => new Date(iso).toLocaleString(document.documentElement.lang || "en", { dateStyle: "medium", timeStyle: "short" });
+const when = (iso: string): string => new Date(iso).toLocaleString(document.documentElement.lang || "en", { dateStyle: "medium", timeStyle: "short", hourCycle: "h23" });

@@ -14,7 +14,7 @@ import { joints as jointsWords } from "../../words/joints";
 import { ownerOf, useCalm } from "../joints/hooks";
 import { body, loadBody, type BodyModel } from "../joints/model";
 import { Builder } from "./Builder";
-import { buttons, hasPad, keycap, keyName, loadPoses, PAD, poses, Progress, rows, type ButtonRow, type MotionRow, type MotionsState } from "./data";
+import { buttons, deedName, hasPad, keycap, loadPoses, PAD, poses, Progress, rows, type ButtonRow, type MotionRow, type MotionsState } from "./data";
 import { Figure } from "./Figure";
 import { Playing } from "./Playing";
 import "../joints/Joints.css";
@@ -61,17 +61,17 @@ export default function Motions() {
       options={[{ value: "play", text: t("motions.play"), icon: "play" }, { value: "build", text: t("motions.build"), icon: "joints" }]}
     />
   );
+  const told = <><Held capability={owner} /><Playing state={state} part={part} model={model} onStop={end} /></>;
   if (what === "build" && model) {
-    return <div class="motions-both"><h2 class="sr">{t("view.motions")}</h2>{tabs}<Held capability={owner} /><Playing state={state} part={part} onStop={end} /><Builder model={model} motions={all} player={owner} /></div>;
+    return <div class="motions-both"><h2 class="sr">{t("view.motions")}</h2>{tabs}{told}<Builder model={model} motions={all} player={owner} /></div>;
   }
   return (
     <div class="motions-both">
     <h2 class="sr">{t("view.motions")}</h2>
     {tabs}
+    {told}
     <div class="motions" data-remote={keys.length > 0 || undefined}>
       <div class="motions-main">
-        <Held capability={owner} />
-        <Playing state={state} part={part} onStop={end} />
         <Card class="motions-options">
           {own.length > 0 && <Slider label={t("motions.speed")} min={0.3} max={2} step={0.1} value={speed.value} show={(value) => `${number(value, 1)} ×`} onInput={(value) => { speed.value = value; }} />}
           {own.length > 0 && <Toggle label={t("motions.mirror")} checked={mirror.value} onChange={(on) => { mirror.value = on; }} />}
@@ -79,6 +79,7 @@ export default function Motions() {
             <span class="motions-label">{t("motions.times")}</span>
             <Segments label={t("motions.times")} value={String(times.value) as (typeof TIMES)[number]} onChange={(value) => { times.value = Number(value); }} options={TIMES.map((value) => ({ value, text: value }))} />
           </div>
+          {own.length < all.length && (speed.value !== 1 || mirror.value) && <p class="motions-hint">{t("motions.stored")}</p>}
         </Card>
         <ul class="motions-list">
           {all.map((row) => <One key={row.name} row={row} model={body.value} cap={capOf(keys, row.name)} can={can} now={state?.playing && state.motion === row.name ? part : null} onPlay={() => play(row.name)} onStop={end} />)}
@@ -106,7 +107,7 @@ function One({ row, model, cap, can, now, onPlay, onStop }: { row: MotionRow; mo
     <li class="motions-one" data-playing={playing || undefined} data-motion={row.name}>
       <div class="motions-picture">{model && model.links.length > 0 && pose ? <Figure model={model} pose={pose} /> : cap ? <span class="motions-cap" aria-hidden="true">{cap}</span> : <Icon name="motions" />}</div>
       <div class="motions-text">
-        <h3 class="motions-name">{plain(row.name)}</h3>
+        <h3 class="motions-name">{deedName(row.name)}</h3>
         <p>{row.help}</p>
       </div>
       <p class="motions-facts">
@@ -114,8 +115,8 @@ function One({ row, model, cap, can, now, onPlay, onStop }: { row: MotionRow; mo
         {row.slot != null ? <Badge>{t("motions.slot", { slot: row.slot })}</Badge> : row.frames != null && <span>{row.frames === 1 ? t("motions.frames.one") : t("motions.frames", { count: row.frames })}</span>}
       </p>
       {playing
-        ? <Button class="motions-go" kind="danger" icon="stop" label={t("motions.end.one", { motion: plain(row.name) })} onClick={onStop} />
-        : <Button class="motions-go" kind="primary" icon="play" label={t("motions.play.one", { motion: plain(row.name) })} disabled={!can} onClick={onPlay} />}
+        ? <Button class="motions-go" kind="danger" icon="stop" label={t("motions.end.one", { motion: deedName(row.name) })} onClick={onStop} />
+        : <Button class="motions-go" kind="primary" icon="play" label={t("motions.play.one", { motion: deedName(row.name) })} disabled={!can} onClick={onPlay} />}
       {playing && <div class="motions-bar"><span style={{ width: `${100 * now}%` }} /></div>}
     </li>
   );
@@ -128,7 +129,7 @@ function Remote({ all, can, now, onPlay }: { all: ButtonRow[]; can: boolean; now
   const key = (one: ButtonRow) => (
     <button key={one.id} type="button" class="motions-key" aria-pressed={one.motion === now} disabled={!can} title={rows().find(({ name }) => name === one.motion)?.help || plain(one.motion ?? "")} onClick={() => onPlay(one.motion ?? "")}>
       <span class="motions-cap" aria-hidden="true">{keycap(one.button || String(one.id))}</span>
-      <span class="motions-key-name">{keyName(one)}</span>
+      <span class="motions-key-name">{deedName(one.motion || one.name)}</span>
     </button>
   );
   return (

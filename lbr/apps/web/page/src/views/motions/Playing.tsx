@@ -1,24 +1,31 @@
 // The motion that is played: which, how far it is, and its end.
 import { told } from "../../access";
-import { number, plain } from "../../format";
+import { number } from "../../format";
 import { Mend } from "../../mend";
 import { useNews } from "../../news";
 import { toldLately } from "../../notices";
 import { Button, Icon } from "../../parts";
 import { t } from "../../words";
-import type { MotionsState } from "./data";
+import { Outline } from "../joints/Flat";
+import { jointStreams } from "../joints/hooks";
+import type { BodyModel } from "../joints/model";
+import { deedName, type MotionsState } from "./data";
 import "./Playing.css";
 
-export function Playing({ state, part, said = "", onStop }: { state?: MotionsState; part: number; said?: string; onStop: () => void }) {
+interface Props { state?: MotionsState; part: number; said?: string; model?: BodyModel | null; onStop: () => void }
+
+/** `said`: what stands beside it already; `model`: the body that is shown as it moves, where nothing else shows it. */
+export function Playing({ state, part, said = "", model, onStop }: Props) {
   const fresh = useNews(state ? (state.playing ? "" : `${state.code ?? ""} ${state.reason ?? ""}`.trim()) : null);
   if (!state?.playing) {
     const why = fresh && state?.reason && state.code && !["done", "idle", "", "cancelled", "estop", "lapsed", "holder_gone"].includes(state.code) ? told({ code: state.code, reason: state.reason }) : "";
     return why && why !== said && !toldLately(why) ? <div class="motions-why" role="status"><Icon name="info" /><p>{why}</p><Mend code={state?.code ?? ""} /></div> : null;
   }
   return (
-    <section class="motions-playing" aria-label={t("motions.playing", { motion: plain(state.motion ?? "") })}>
+    <section class="motions-playing" aria-label={t("motions.playing", { motion: deedName(state.motion ?? "") })}>
       <div class="motions-bar" role="progressbar" aria-valuemin={0} aria-valuemax={100} aria-valuenow={Math.round(100 * part)}><span style={{ width: `${100 * part}%` }} /></div>
-      <p><strong class="motions-name">{plain(state.motion ?? "")}</strong>
+      {model && model.links.length > 0 && <div class="motions-now"><Outline model={model} streams={jointStreams()} selected="" onPick={() => undefined} /></div>}
+      <p><strong class="motions-name">{deedName(state.motion ?? "")}</strong>
         <span>{[
           state.frames ? t("motions.frame", { frame: state.frame ?? 0, of: state.frames }) : "",
           (state.times ?? 1) > 1 ? t("motions.round", { round: state.round ?? 1, of: state.times ?? 1 }) : "",

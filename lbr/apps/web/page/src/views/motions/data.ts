@@ -8,6 +8,7 @@ export interface MotionRow { name: string; help: string; slot?: number | null; b
 export interface ButtonRow { id: number; name: string; button?: string; motion?: string }
 export interface MotionsState {
   playing: boolean; motion?: string; frame?: number; frames?: number; round?: number; times?: number; left_s?: number | null; holder?: string | null; reason?: string; code?: string;
+  fallen?: string;
 }
 export interface KeyFrame { positions: Record<string, number>; duration_s: number }
 export interface Motion { name: string; help?: string; frames: KeyFrame[]; lead_in?: string; lead_out?: string; slot?: number | null }
@@ -37,8 +38,8 @@ export const buttons = (): ButtonRow[] => ((robot.value?.buttons ?? []) as unkno
 export const PAD = [["LR", "U", "RR"], ["L", "S", "R"], ["LA", "D", "RA"]] as const;
 const ARROWS: Record<string, string> = { U: "↑", D: "↓", L: "←", R: "→", LR: "⟲", RR: "⟳", S: "⇧", LA: "⇈", RA: "⇈⇈" };
 export const keycap = (button: string): string => ARROWS[button] ?? button;
-/** What a key does; where the motion's own name is another's word for something else, in the page's words. */
-export const keyName = (one: ButtonRow): string => maybe(`motions.key.${one.motion ?? ""}`) || plain(one.motion || one.name);
+/** What a motion does, in the page's words where it has some: the names of rows are for tables and programs. */
+export const deedName = (motion: string): string => maybe(`motions.key.${motion}`) || plain(motion);
 /** Whether buttons are laid out as on a remote control. */
 export const hasPad = (all: ButtonRow[]): boolean => PAD.flat().filter((key) => all.some((one) => one.button === key)).length >= 4;
 
@@ -62,12 +63,13 @@ export class Progress {
 }
 
 /** What people ask of a humanoid first, in this order. */
-const FIRST = [/^stand/, /^(reset|initial)$/, /^wave/, /^walk.*(forward|ahead)/, /^sit/, /^(dance|demo)/, /^(kick|bow)/, /^turn/];
+const FIRST = [/^stand/, /^reset$/, /^(wave|demo)/, /^walk.*(short|ahead|forward)/, /^sit/, /^dance/, /^turn/, /^(kick|bow)/, /^initial$/];
 const MOST = 5;
 
-/** The few motions that are offered beside the body: one of each kind that there is, then others; what gets it up is shown when it lies. */
+/** The few motions that are offered beside the body: of each kind the quickest, then others; what gets it up is shown when it lies. */
 export function deeds(all: MotionRow[]): MotionRow[] {
-  const found = FIRST.flatMap((kind) => all.find(({ name }) => kind.test(name)) ?? []);
+  const quick = [...all].sort((a, b) => (a.duration_s ?? 0) - (b.duration_s ?? 0));
+  const found = FIRST.flatMap((kind) => quick.find(({ name }) => kind.test(name)) ?? []);
   const rest = all.filter((one) => !found.includes(one) && !one.name.startsWith("get_up_"));
   return [...found, ...rest].slice(0, MOST);
 }
