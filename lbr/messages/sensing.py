@@ -23,6 +23,7 @@ class Ranges(Struct, frozen=True, kw_only=True):
 
     The sensors are rows of `range_sensor`; those without a field are in `others_m`, and then only those with a value or status. `over_range`: nothing within reach. `invalid`: the sensor sent an error
     value. `missing`: the sensor does not exist or answer. `cycle_s`: the board's measuring cycle. `ages_s`: of each measurement.
+    `rests`: the base stands and they are unchanged; they are reported twice a second until one changes.
     """
 
     forward_m: float | None
@@ -34,6 +35,7 @@ class Ranges(Struct, frozen=True, kw_only=True):
     cycle_s: float | None = None
     others_m: dict[str, float | None] = {}
     ages_s: dict[str, float] = {}
+    rests: bool = False
 
     def metres(self, sensor: str) -> float | None:
         """Return the reading of a sensor; None without one."""

@@ -5,9 +5,12 @@ import time
 from fcntl import ioctl
 
 import pytest
+from msgspec.structs import replace
 
 from lbr.drivers.ultrasonic import KIND
 from lbr.errors import DeviceError
+from lbr.operations.drive.kernel import drive_state, first_state
+from lbr.operations.drive.settings import DriveSettings
 from tests.drivers.peers import DriverContext
 from tests.support.waiting import until
 
@@ -174,3 +177,59 @@ def test_between_two_frames_it_hardly_looks_and_takes_the_next_one_as_soon_as_be
     assert len(late_s) == 50
     assert max(late_s) < 0.011
     assert looks <= 200
+
+
+@pytest.fixture
+def at_rest(ring, ctx, board, monkeypatch):
+    """A function that says a frame a tenth of a second later, the drive holding what it is told; what was published by it."""
+    ctx.now = 100.0
+    monkeypatch.setattr(ctx, "clock", lambda: ctx.now)
+
+    def say(forward_cm=120, *, drive=STANDS, count=1):
+        came = len(ctx.published)
+        for _ in range(count):
+            ctx.now += 0.1
+            if drive is not None:
+                ctx.arrive("drive", drive)
+            board.say(LINE % forward_cm)
+            frames = ring._board.frames
+            until(lambda: (ring.step(), ring._board.frames > frames)[1])  # noqa: B023  it is asked at once
+        return [ranges for _, ranges in ctx.published[came:]]
+
+    return say
+
+
+STANDS = drive_state(first_state(DriveSettings()), 0.0)
+
+
+def test_frames_that_repeat_themselves_are_published_twice_a_second(at_rest):
+    assert [ranges.rests for ranges in at_rest(count=12)] == [False] * 11 + [True]
+    assert len(at_rest(count=50)) == 10
+
+
+@pytest.mark.parametrize(("forward_cm", "published"), [(125, 0), (115, 0), (126, 1), (114, 1), (760, 1), (0, 1)])
+def test_a_flicker_is_no_change_and_a_change_is_published_at_once(at_rest, forward_cm, published):
+    at_rest(count=12)
+    assert [ranges.rests for ranges in at_rest(forward_cm)] == [False] * published
+    assert len(at_rest(forward_cm, count=5)) == (5 if published else 1)
+
+
+def test_a_distance_that_creeps_is_a_change_once_it_has_left_its_band(at_rest):
+    at_rest(count=12)
+    assert [len(at_rest(forward_cm)) for forward_cm in (118, 116, 114)] == [0, 0, 1]
+
+
+@pytest.mark.parametrize("drive", [replace(STANDS, holder="page"), replace(STANDS, moving=True), None])
+def test_every_frame_is_published_while_the_base_is_held_or_moves_or_its_drive_is_silent(at_rest, ctx, drive):
+    at_rest(count=12)
+    ctx.now += 2.0 if drive is None else 0.0
+    assert [ranges.rests for ranges in at_rest(drive=drive, count=20)] == [False] * 20
+
+
+def test_what_rested_is_missing_once_its_board_is_gone(at_rest, ring, ctx):
+    at_rest(count=12)
+    came = len(ctx.published)
+    ring.close()
+    (said,) = [ranges for _, ranges in ctx.published[came:]]
+    assert set(said.status.values()) == {"missing"}
+    assert said.forward_m is None

@@ -170,7 +170,7 @@ def test_whatever_babbles_little_is_held_and_the_next_clean_line_is_read(pieces,
     parser = LineParser()
     for piece in pieces:
         parser.feed(piece)
-        assert parser.held_bytes <= MAX_LINE_BYTES
+        assert parser.lines.held_bytes <= MAX_LINE_BYTES
     assert parser.feed(b"\n" + spelt(frame))[-1] == frame
 
 

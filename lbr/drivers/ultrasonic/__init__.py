@@ -4,7 +4,8 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind, OnDevice
+from lbr.capability.kind import Kind, OnDevice, Wire
+from lbr.messages.drive import DriveState
 from lbr.messages.sensing import RING, Ranges
 from lbr.messages.units import Name
 
@@ -26,6 +27,7 @@ class UltrasonicSettings(Struct, frozen=True, kw_only=True, forbid_unknown_field
     min_cm: Annotated[int, Meta(ge=1, le=100, description="below this the sensor cannot measure")] = 17
     over_range_cm: Annotated[int, Meta(ge=100, le=768, description="from here on nothing is within reach")] = 758
     max_cm: Annotated[int, Meta(ge=769, le=2000, description="above this the number is a fault")] = 800
+    still_cm: Annotated[int, Meta(ge=0, le=50, description="a distance within this of what it was is unchanged")] = 5
     timeout_s: Annotated[float, Meta(ge=0.1, le=5.0, description="silence that counts as a fault")] = 0.5
     start_timeout_s: Annotated[float, Meta(ge=0.1, le=10.0, description="the board's start-up after opening")] = 3.0
     baud: Literal[9600, 57600, 115200] = 115200
@@ -37,6 +39,9 @@ KIND = Kind(
     family="driver",
     entry="lbr.drivers.ultrasonic.capability:UltrasonicRing",
     settings=UltrasonicSettings,
+    inputs={"drive": DriveState},
+    optional=("drive",),
+    wires={"drive": Wire("drive.state")},
     outputs={"readings": Ranges},
     device=OnDevice("ultrasonic_ring", line="serial", recognised="lbr.drivers.ultrasonic.recognition:HANDSHAKES"),
 )

@@ -71,7 +71,7 @@ class RangeBoard:
     def _catch_up(self, now: float) -> None:
         """Drop old input after a pause of this process, and wait for the next frame as long as usual."""
         self._line.drop_input()
-        self._parser.reset()
+        self._parser.lines.reset()
         self._frame_at = now
 
     def _silence(self, now: float) -> str:

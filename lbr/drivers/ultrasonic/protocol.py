@@ -55,24 +55,15 @@ class _Line(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class LineParser:
-    """Turns bytes, in pieces of any size, into frames; it holds at most one line."""
+    """Turns bytes, in pieces of any size, into frames. `lines` holds at most one; the rest of a forgotten one is bad."""
 
     def __init__(self) -> None:
-        self._lines = LineSplitter(rb"\n", MAX_LINE_BYTES)
+        self.lines = LineSplitter(rb"\n", MAX_LINE_BYTES)
 
     def feed(self, data: bytes) -> list[Frame | BadLine]:
         """Return the frames and the bad lines that these bytes complete."""
-        found = (BadLine(line.readable) if line.overlong else parse_line(line.data) for line in self._lines.feed(data))
+        found = (BadLine(line.readable) if line.overlong else parse_line(line.data) for line in self.lines.feed(data))
         return [each for each in found if each is not None]
-
-    def reset(self) -> None:
-        """Forget the unfinished line; its rest will count as a bad line."""
-        self._lines.reset()
-
-    @property
-    def held_bytes(self) -> int:
-        """Return how many bytes of an unfinished line it holds."""
-        return self._lines.held_bytes
 
 
 def parse_line(line: bytes) -> Frame | BadLine | None:
@@ -98,6 +89,13 @@ def to_ranges(frame: Frame, settings: UltrasonicSettings) -> Ranges:
         metres[name] = cm / 100.0 if status[name] == "ok" else None
     cycle_s = frame.deltat / TICKS_PER_S[settings.board] if frame.deltat > 0 else None
     return ranges(metres, status, cycle_s, ages_s(frame))
+
+
+def near(measured: Ranges, before: Ranges, still_cm: int) -> bool:
+    """Return whether two measurements are the same, but for noise."""
+    pairs = [(measured.metres(name), before.metres(name)) for name in measured.status]
+    same = all(a is None or b is None or round(abs(a - b) * 100) <= still_cm for a, b in pairs)
+    return same and measured.status == before.status
 
 
 def ages_s(frame: Frame) -> dict[str, float]:

@@ -23,17 +23,18 @@ def command(state: State, event: Command, now: float) -> Decision:
     ask = _asked(state, event, now)
     if ask.wants == "stop":
         return stop(state, Stop(source=event.source, received=event.received), now)
+    before, state = state, replace(state, views=state.seen(now))
     limit = judge(state, event, ask)
     if isinstance(limit, Reason):
         leases, refused = decide.refuse(ask, limit)
-        return replace(state, leases=leases), (refused,)
+        return replace(before, leases=leases), (refused,)
     note = _note(state, event.command, limit) if ask.request.moves else None
     if ask.wants == "renewal":
         state = replace(state, leases=decide.renew(ask))
         return state, (_accepted(state.leases, ask, note),)
     state, said = apply(state, *decide.grant(state.leases, ask, _active_motion(state, event, ask)), now)
     accepted = _accepted(state.leases, ask, note)
-    state, driven = drive(state, now) if ask.wants != "offer" else (state, ())
+    state, driven = drive(state, now) if ask.wants != "offer" else (replace(state, views=before.views), ())
     return state, (*said, accepted, *driven)
 
 
@@ -42,7 +43,7 @@ def to_be_checked(state: State, event: Command, now: float) -> bool:
     ask = _asked(state, event, now)
     if not ask.request.moves or ask.wants == "renewal" or ask.confirms is not None:
         return False
-    return not isinstance(judge(state, event, ask, checked=False), Reason)
+    return not isinstance(judge(replace(state, views=state.seen(now)), event, ask, checked=False), Reason)
 
 
 def stop(state: State, event: Stop, now: float) -> Decision:

@@ -136,7 +136,8 @@ def _motors(state: State, event: MotorsSeen, now: float) -> Decision:
 
 def _ranges(state: State, event: RangesSeen, now: float) -> Decision:
     arrived = _no_later(event.arrived, now)
-    views = rules.see(state.views, event.ranges, arrived, state.odometer, state.sensors)
+    told = replace(event.ranges, rests=event.ranges.rests and state.lease is None)
+    views = rules.see(state.views, told, arrived, state.odometer, state.sensors)
     state = replace(
         state, views=views, memory=obstacle_memory.see(state.memory, views, arrived, state.settings, state.sensors)
     )
@@ -163,9 +164,8 @@ def _scan(state: State, event: ScanSeen, now: float) -> State:
 
 def _sees(state: State, now: float) -> dict[str, float | None]:
     """Return the distances seen in the way by sensors with a view of their own; without an obstacle they are left out."""
-    believed = {
-        name: rules.believed_m(state.views.get(name), rule, now) for name, rule in state.sensors.watched.items()
-    }
+    seen, watched = state.seen(now), state.sensors.watched
+    believed = {name: rules.believed(seen.get(name), rule, now)[0] for name, rule in watched.items()}
     return {
         name: None if isnan(near_m) else round(near_m, 3)
         for name, near_m in believed.items()

@@ -9,6 +9,7 @@ from msgspec.structs import replace
 
 from lbr.messages.codes import Code
 from lbr.messages.drive import Direction
+from lbr.messages.motors import RESTS_S
 from lbr.messages.sensing import Ranges, Scan
 from lbr.operations.drive import sensors as sensing
 from lbr.operations.drive.sensors import Sensors
@@ -44,7 +45,7 @@ class View(Struct, frozen=True, kw_only=True):
     """The belief about one sensor: `distance_m` is infinite when nothing is near, NaN when it is unknown.
 
     `pending_m` is a farther value that waits for a second one like it. `idle_m` is the distance driven while `raw_m`
-    came `repeats` times in a row unchanged.
+    came `repeats` times in a row unchanged. `rests_until`: a change would have been reported at once until then.
     """
 
     distance_m: float
@@ -55,6 +56,7 @@ class View(Struct, frozen=True, kw_only=True):
     changed_at_m: float = 0.0
     idle_m: float = 0.0
     repeats: int = 0
+    rests_until: float = -inf
 
 
 class Limit(Struct, frozen=True, kw_only=True):
@@ -93,20 +95,27 @@ def see(
     views: Mapping[str, View], ranges: Ranges, now: float, odometer: Odometer, sensors: Sensors = USUAL
 ) -> dict[str, View]:
     """Return the beliefs about all sensors after new readings, with those about obstacles in the way."""
-    updated = dict(views)
+    updated, until = dict(views), now + RESTS_S if ranges.rests else -inf
     for name in sensors.singles:
         if not ranges.tells_of(name):
             continue
         row = sensors.rows[name]
-        raw_m, trouble = measured_m(ranges, name, sensors)
+        raw_m, trouble = measured = measured_m(ranges, name, sensors)
         travel_m = odometer.along_m if sensing.sees_along(row) else odometer.turned_m
         before = views.get(name)
-        updated[name] = _see(before, raw_m, trouble, now, travel_m)
+        updated[name] = _see(before, measured, now, until, travel_m)
         same = before is not None and raw_m == before.raw_m and isfinite(raw_m)
         for view, side in sensors.covers(row):
             near_m = raw_m if isnan(raw_m) else sensing.single(sensors.ways[name][side], raw_m)
-            updated[view] = _see(views.get(view), near_m, trouble, now, _travel_m(odometer, side), same=same)
+            travel_m = _travel_m(odometer, side)
+            updated[view] = _see(views.get(view), (near_m, trouble), now, until, travel_m, same=same)
     return updated
+
+
+def unchanged(views: Mapping[str, View], now: float) -> dict[str, View]:
+    """Return the beliefs at the beginning of a motion, from which resting sensors have the usual time to report."""
+    fresh = {name: view for name, view in views.items() if now <= view.rests_until}
+    return {**views, **{name: replace(view, seen=now, rests_until=-inf) for name, view in fresh.items()}}
 
 
 def see_scan(
@@ -114,9 +123,9 @@ def see_scan(
 ) -> dict[str, View]:
     """Return the beliefs after a scan; `same`: it repeats the previous scan exactly."""
     updated = dict(views)
-    for side, (near_m, trouble) in sensing.scanned(sensors, sensors.rows[scan.sensor], scan).items():
+    for side, seen in sensing.scanned(sensors, sensors.rows[scan.sensor], scan).items():
         name = sensing.view_of(scan.sensor, side)
-        updated[name] = _see(views.get(name), near_m, trouble, now, _travel_m(odometer, side), same=same)
+        updated[name] = _see(views.get(name), seen, now, -inf, _travel_m(odometer, side), same=same)
     return updated
 
 
@@ -184,7 +193,7 @@ def _apply(
 ) -> Limit:
     if part <= 0.0:
         return FREE
-    distance_m, trouble = _believed(views.get(rule.sensor), rule, now)
+    distance_m, trouble = believed(views.get(rule.sensor), rule, now)
     keep_m = rule.stop_m + (rule.margin_m if rule.direction in held else 0.0)
     share = allowed_mps(distance_m - keep_m, settings) / settings.max_speed_mps
     scale = min(share / part, 1.0)
@@ -200,7 +209,8 @@ def _apply(
     )
 
 
-def _believed(view: View | None, rule: Rule, now: float) -> tuple[float, str]:
+def believed(view: View | None, rule: Rule, now: float) -> tuple[float, str]:
+    """Return the distance for a rule, infinite for nothing near, or NaN and why it is unknown."""
     if view is None:
         return nan, "was never measured"
     if not now - view.seen <= rule.max_age_s:
@@ -212,19 +222,15 @@ def _believed(view: View | None, rule: Rule, now: float) -> tuple[float, str]:
     return view.distance_m, ""
 
 
-def believed_m(view: View | None, rule: Rule, now: float) -> float:
-    """Return the distance for a rule: infinite for nothing near, NaN for unknown."""
-    return _believed(view, rule, now)[0]
-
-
 def _see(
-    view: View | None, raw_m: float, trouble: str, now: float, travel_m: float, *, same: bool | None = None
+    view: View | None, raw: tuple[float, str], now: float, until: float, travel_m: float, *, same: bool | None = None
 ) -> View:
     """Return the belief after a value; `same` is whether the sensor repeats itself, by default by comparison."""
+    raw_m, trouble = raw
     if view is not None and now < view.seen:
         return view  # a newer one has overtaken it
     if view is None or isnan(raw_m):
-        return View(distance_m=raw_m, trouble=trouble, seen=now, raw_m=raw_m, changed_at_m=travel_m)
+        return View(distance_m=raw_m, trouble=trouble, seen=now, raw_m=raw_m, changed_at_m=travel_m, rests_until=until)
     distance_m, pending_m = _trust(view, raw_m, now - view.seen)
     same = raw_m == view.raw_m and isfinite(raw_m) if same is None else same
     since_m = view.changed_at_m if same else travel_m
@@ -237,6 +243,7 @@ def _see(
         changed_at_m=since_m,
         idle_m=travel_m - since_m,
         repeats=view.repeats + 1 if same else 0,
+        rests_until=until,
     )
 
 

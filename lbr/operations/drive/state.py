@@ -20,7 +20,7 @@ from lbr.operations.drive.heading_view import HeadingView
 from lbr.operations.drive.obstacle_memory import ObstacleMemory
 from lbr.operations.drive.odometry_view import OdometryView
 from lbr.operations.drive.range_goal import RangeGoal
-from lbr.operations.drive.rules import FREE, Limit, Odometer, View
+from lbr.operations.drive.rules import FREE, Limit, Odometer, View, unchanged
 from lbr.operations.drive.sensors import Sensors
 from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.turn_goal import TurnGoal
@@ -176,6 +176,10 @@ class State(Struct, frozen=True, kw_only=True):
         if self.odometry.rests or odometry_view.not_known(self.odometry, now):
             return abs(self.left + self.right) / 2 * self.settings.max_speed_mps
         return abs(self.odometry.speed_mps)
+
+    def seen(self, now: float) -> Mapping[str, View]:
+        """Return the beliefs about the sensors; without a lease, distances that rest have not changed yet."""
+        return unchanged(self.views, now) if self.lease is None else self.views
 
     @property
     def rests(self) -> bool:

@@ -2,6 +2,8 @@
 
 from math import nan
 
+from msgspec.structs import replace
+
 from lbr.leases.lease import EstopChanged, Happened, Reply, Result, Setpoint, Stop
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.codes import MEANINGS
@@ -33,7 +35,7 @@ def ranges(**metres):
 def _shifted(around, by_m):
     values = {f"{sensor}_m": getattr(around, f"{sensor}_m") for sensor in SENSORS}
     moved = {name: None if value is None else value + by_m for name, value in values.items()}
-    return Ranges(**moved, status=around.status, cycle_s=around.cycle_s, ages_s=around.ages_s)
+    return replace(around, **moved)
 
 
 class Bench:

@@ -1,9 +1,9 @@
-"""Motors, odometry and attitude at rest are heard twice a second: a motion begins at once, and ends by them as ever."""
+"""Motors, ranges, odometry and attitude at rest are heard twice a second: a motion begins at once, and ends by them as ever."""
 
 import pytest
 from msgspec.structs import replace
 
-from tests.operations.drive.drive_bench import Bench, motors
+from tests.operations.drive.drive_bench import Bench, motors, ranges
 from tests.operations.drive.drive_body import Body
 
 STILL = (0.0, 0.0)
@@ -137,3 +137,91 @@ def test_the_first_rate_of_a_turn_is_not_spread_over_the_rest_before_it():
     body = resting_body(0.5)
     body.look(turned_deg=body.turned_deg + 8.0, heading_deg=8.0)
     assert body.state.heading.rate_dps == pytest.approx(50.0)
+
+
+@pytest.fixture
+def ringed():
+    bench = Bench()
+    bench.around = replace(bench.around, rests=True)
+    bench.sense()
+    bench.ranges_speak = False
+    return bench
+
+
+@pytest.mark.parametrize(("age_s", "accepted"), [(0.31, True), (0.9, True), (1.19, True), (1.21, False)])
+def test_ranges_at_rest_may_be_older_before_a_motion(ringed, age_s, accepted):
+    rest(ringed, age_s)
+    reply = ringed.drive(0.5)
+    assert (reply.accepted, reply.code) == (accepted, "" if accepted else "stale_sensor")
+
+
+@pytest.mark.parametrize(("rests", "speak", "moves"), [(False, True, True), (True, True, True), (True, False, False)])
+def test_ranges_have_the_usual_time_to_report_once_the_base_is_to_move(ringed, rests, speak, moves):
+    rest(ringed, 0.5)
+    reply = ringed.drive(0.5)
+    ringed.around = replace(ringed.around, rests=rests)
+    ringed.ranges_speak = speak
+    ringed.run(0.28, renewing(ringed, reply))
+    assert ringed.wheels != STILL
+    ringed.ranges_speak = speak and not rests
+    ringed.run(0.06, renewing(ringed, reply))
+    assert (ringed.wheels != STILL) is moves
+    ringed.stop()
+    ringed.now += 0.3
+    ringed.sense()
+    assert moves or ringed.drive(0.5).code == "stale_sensor"
+
+
+def test_ranges_that_rested_in_the_midst_of_a_motion_are_believed_no_longer(ringed):
+    reply = ringed.drive(0.5)
+    ringed.ranges_speak = True
+    ringed.run(0.1, renewing(ringed, reply))
+    ringed.ranges_speak = False
+    ringed.run(0.2, renewing(ringed, reply))
+    assert ringed.wheels != STILL
+    ringed.run(0.06, renewing(ringed, reply))
+    assert ringed.wheels == STILL
+    ringed.stop()
+    ringed.now += 0.3
+    ringed.sense()
+    assert ringed.drive(0.5).code == "stale_sensor"
+
+
+def test_an_obstacle_of_old_still_refuses_a_motion_and_a_new_one_does_at_once(ringed):
+    ringed.around = replace(ranges(forward=1.0), rests=True)
+    ringed.ranges_speak = True
+    ringed.sense()
+    rest(ringed, 0.9)
+    ringed.around = ranges(forward=0.2)
+    ringed.sense()
+    assert ringed.drive(0.5).code == "obstacle"
+    ringed.around = replace(ringed.around, rests=True)
+    ringed.sense()
+    ringed.ranges_speak = False
+    rest(ringed, 0.9)
+    assert ringed.drive(0.5).code == "obstacle"
+    assert ringed.wheels == STILL
+
+
+def test_an_offer_before_resting_ranges_is_confirmed_and_moves(ringed):
+    rest(ringed, 0.4)
+    offer = ringed.drive_from_afar(0.5)
+    rest(ringed, 0.2)
+    assert ringed.drive_from_afar(0.5, lease=offer.lease).accepted
+    rest(ringed, 0.02)
+    assert ringed.wheels != STILL
+
+
+def test_a_move_to_a_range_begins_by_a_reading_at_rest(ringed):
+    ringed.around = replace(ranges(forward=1.0), rests=True)
+    ringed.ranges_speak = True
+    ringed.sense()
+    ringed.ranges_speak = False
+    rest(ringed, 0.9)
+    command = {"power": 0.3, "range_cm": 60.0, "sensor": "forward"}
+    reply = ringed.drive(**command)
+    assert reply.accepted, reply.reason
+    ringed.run(0.28, lambda: ringed.drive(**command, lease=reply.lease))
+    assert (ringed.wheels != STILL, ringed.results) == (True, [])
+    ringed.run(0.06, lambda: ringed.drive(**command, lease=reply.lease))
+    assert [result.code for result in ringed.results] == ["stale_sensor"]

@@ -281,6 +281,85 @@ def test_a_range_board_that_falls_silent_stops_a_drive(robot):
     assert robot.stands()
 
 
+def board_says(robot, **faults):
+    for name, value in faults.items():
+        robot.twins["range_board"].fault(name, value=value)
+
+
+@pytest.fixture
+def rested(robot):
+    """Its base and what its range board says, which has not changed for a while."""
+    heard = robot.stage.hear("ranges", "readings")
+    robot.run(4.0)
+    heard.clear()
+    return robot, heard
+
+
+def test_distances_of_a_standing_base_are_said_twice_a_second_and_a_change_within_a_frame(rested):
+    robot, heard = rested
+    robot.run(10.0)
+    assert 18 <= len(heard) <= 23
+    assert all(one.rests for one in heard)
+    heard.clear()
+    board_says(robot, range_forward_m=0.9)
+    robot.run(0.25)
+    assert next(one for one in heard if not one.rests).forward_m == 0.9
+    robot.run(0.75)
+    assert len(heard) > 6
+    robot.run(1.0)
+    assert heard[-1].rests
+
+
+def test_a_base_at_rest_turns_its_wheels_as_soon_as_one_whose_distances_are_new(rested):
+    robot, heard = rested
+    took_s = []
+    for rests_s in (0.05, 0.3, 0.5, 3.0):
+        robot.run(rests_s)
+        assert robot.drive().accepted
+        asked_s = robot.sent_s
+        robot.run(0.3)
+        took_s.append(round(next(at for at in robot.turned if at > asked_s) - asked_s, 3))
+        assert not heard[-1].rests
+    assert max(took_s) <= ROUND_S + TICK_S
+
+
+def test_a_range_board_that_is_pulled_from_a_standing_base_is_missed_by_the_next_command(rested):
+    robot, heard = rested
+    board_says(robot, unplug=True)
+    robot.run(0.2)
+    assert set(heard[-1].status.values()) == {"missing"}
+    assert robot.drive().code == "stale_sensor"
+    assert not robot.turned
+
+
+def test_a_frozen_range_driver_stops_a_motion_from_rest_in_its_usual_time_and_refuses_the_next(rested):
+    robot, _ = rested
+    robot.stage.members["ranges"].frozen = True
+    robot.run(0.5)
+    reply = robot.drive()
+    began_s = robot.sent_s
+    for _ in range(8):
+        robot.run(0.1)
+        robot.drive(reply.lease)
+    assert 0.2 < robot.turned[-1] - began_s <= 0.3 + TICK_S
+    robot.run(1.0)
+    assert robot.drive().code == "stale_sensor"
+    assert robot.stands()
+
+
+def test_a_reader_that_comes_late_gets_the_last_distances_and_how_old_they_are(rested):
+    robot, heard = rested
+    heard.clear()
+    while not heard:
+        robot.round()
+    said_s = robot.stage.now
+    robot.run(0.3)
+    key = keys.port("lbr", "ranges", "readings")
+    (raw,) = MemoryTransport(robot.stage.bus).newest([key], source="late", timeout_s=1.0)
+    assert msgspec.json.decode(raw.payload)["forward_m"] == heard[-1].forward_m
+    assert raw.arrived == pytest.approx(said_s, abs=1.5 * ROUND_S)
+
+
 def test_what_it_knows_of_its_way_is_what_it_did_in_its_world(whole):
     poses, ways, attitudes = (whole.stage.hear(*one) for one in WAYS)
     whole.run(0.5)

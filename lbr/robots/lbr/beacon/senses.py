@@ -53,12 +53,13 @@ class Senses:
             message: Ranges = received.message
             for sensor in ("forward", "back"):
                 if message.tells_of(sensor) and message.status.get(sensor, "ok") in {"ok", "over_range"}:
-                    self._measured[sensor] = (message.metres(sensor), received.arrived)
+                    until = received.arrived + (RESTS_S if message.rests else RANGES_S)
+                    self._measured[sensor] = (message.metres(sensor), until)
 
     def metres(self, sensor: str) -> float | None:
         """Return a sensor's distance, None if nothing is within its reach; raise BlindError without a fresh reading."""
-        metres, at = self._measured.get(sensor, (None, -inf))
-        if not self._ctx.clock() - at <= RANGES_S:
+        metres, until = self._measured.get(sensor, (None, -inf))
+        if not self._ctx.clock() <= until:
             raise BlindError(f"the sensor '{sensor}' measures nothing: what stands in the way is not known")
         return metres
 
