@@ -9,7 +9,7 @@ import pytest
 from lbr.bus import session, wire
 from lbr.bus.session import Session
 from lbr.bus.transport import SharedSession, ZenohTransport
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 
 @pytest.fixture
@@ -55,7 +55,7 @@ def test_one_answers_what_the_other_asks(parts: Parts) -> None:
     asked = threading.Event()
     server = one.serve("r/a/do", asked.set, source="a")
     question = two.query("r/a/do", b"{}", timeout_s=5.0, source="b", wake=idle)
-    assert asked.wait(5.0)
+    assert asked.wait(HANG_S)
     server.take()[0].reply({"done": True}, "a")
     until(lambda: question.done)
     assert [reply.payload for reply in question.replies] == [b'{"done":true}']

@@ -18,6 +18,7 @@ from lbr.database.store import Database
 from lbr.errors import InputError, RowError
 from lbr.messages.speech import Phrase
 from tests.support import databases
+from tests.support.waiting import HANG_S
 
 FULL = "UPDATE capability SET settings = json_set(settings, '$.max_power', ?) WHERE robot = 'lbr' AND name = 'drive'"
 
@@ -321,7 +322,7 @@ def test_of_two_at_once_that_looked_at_the_same_rows_one_is_refused(path):
 
     def apply(owner: str) -> str:
         def wanted(tables, schema):
-            begin.wait(5.0)
+            begin.wait(HANG_S)
             after = {**tables, "robot": [{**row, "owner": owner} for row in tables["robot"]]}
             return changes.between(tables, after, schema, "lbr")
 

@@ -11,7 +11,7 @@ from lbr.drivers.servos.contract import SETTING_UP
 from lbr.drivers.servos.protocol1.bus import ProtocolBus
 from lbr.errors import DeviceError
 from tests.drivers.servo_peers import Chain, status
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 
 @pytest.fixture
@@ -150,7 +150,7 @@ def test_a_stop_goes_before_writes_and_writes_before_reads(bus):
     order, gate = [], threading.Event()
     owner = BusThread(bus)
     owner.start()
-    blocked = owner.submit(lambda _bus: gate.wait(5.0), READ)
+    blocked = owner.submit(lambda _bus: gate.wait(HANG_S), READ)
     until(blocked.running)
     jobs = [
         owner.submit(lambda _bus, name=name: order.append(name), priority)
@@ -158,23 +158,23 @@ def test_a_stop_goes_before_writes_and_writes_before_reads(bus):
     ]
     gate.set()
     for job in jobs:
-        job.result(5.0)
+        job.result(HANG_S)
     assert order == ["stop", "write", "read"]
-    assert owner.join(5.0)
+    assert owner.join(HANG_S)
 
 
 def test_a_newer_job_takes_the_place_of_one_that_waits_under_its_key(bus):
     gate, done = threading.Event(), []
     owner = BusThread(bus)
     owner.start()
-    blocked = owner.submit(lambda _bus: gate.wait(5.0), READ)
+    blocked = owner.submit(lambda _bus: gate.wait(HANG_S), READ)
     until(blocked.running)
     first, last = (owner.submit(lambda _bus, n=n: done.append(n), WRITE, key="goals") for n in (1, 2))
     gate.set()
-    last.result(5.0)
+    last.result(HANG_S)
     assert first.cancelled()
     assert done == [2]
-    assert owner.join(5.0)
+    assert owner.join(HANG_S)
 
 
 def test_a_stop_is_on_the_wire_within_a_transaction_whatever_the_traffic(chain):
@@ -189,19 +189,19 @@ def test_a_stop_is_on_the_wire_within_a_transaction_whatever_the_traffic(chain):
         owner = BusThread(bus, background)
         owner.start()
         until(lambda: len(chain.log) > 10)
-        owner.submit(lambda bus: bus.write_all(30, {1: b"\0\2"}), STOP).result(5.0)
+        owner.submit(lambda bus: bus.write_all(30, {1: b"\0\2"}), STOP).result(HANG_S)
         until(lambda: chain.writes(30))
-        assert owner.join(5.0)
+        assert owner.join(HANG_S)
 
 
 def test_a_job_that_fails_hurts_nobody_but_a_lost_line_ends_the_owner(chain, bus):
     owner = BusThread(bus)
     owner.start()
     with pytest.raises(ZeroDivisionError):
-        owner.submit(lambda _bus: 1 // 0, READ).result(5.0)
+        owner.submit(lambda _bus: 1 // 0, READ).result(HANG_S)
     chain.unplug()
     with pytest.raises(DeviceError):
-        owner.submit(lambda bus: bus.read_motion(1), READ).result(5.0)
+        owner.submit(lambda bus: bus.read_motion(1), READ).result(HANG_S)
     until(lambda: owner.failure is not None)
     assert owner.submit(lambda _bus: None, READ).cancelled()
     chain.plug()

@@ -18,7 +18,7 @@ from lbr.testing import FakeCall
 from tests.drivers.peers import DriverContext
 from tests.drivers.servo_peers import Chain
 from tests.support import programs
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 SETTINGS = '{"device": "servos", "guard": false, "reply_margin_s": 0.03, "sweep_hz": 250}'
 
@@ -482,7 +482,7 @@ def test_when_the_driver_hangs_its_guard_holds_the_servos_then_lets_them_go(chai
     chain.log.clear()
     process.send_signal(signal.SIGSTOP)
     until(lambda: not any(servo.torque for servo in chain.servos.values()))
-    assert process.wait(5.0) == -signal.SIGKILL
+    assert process.wait(HANG_S) == -signal.SIGKILL
     assert [servo.goal for servo in chain.servos.values()] == [540, 540, 540]
     held, faded, let_go = (
         chain.log.index(chain.writes(address)[which]) for address, which in ((30, -1), (34, 0), (24, 0))
@@ -503,14 +503,14 @@ def test_a_guard_lets_servos_go_that_were_silent_when_the_driver_died(chain, dri
     silent.remove(2)
     until(lambda: chain.servos[2].goal == 540)
     until(lambda: not any(servo.torque for servo in chain.servos.values()))
-    process.wait(5.0)
+    process.wait(HANG_S)
 
 
 def test_a_guard_lets_servos_go_of_which_none_was_heard_when_the_driver_died(chain, driving):
     process = driving(1.0)
     chain.answer = lambda _request, _usual: b""
     process.kill()
-    process.wait(5.0)
+    process.wait(HANG_S)
     chain.log.clear()
     until(lambda: {request[2] for request in chain.log} >= {1, 2, 3})
     chain.answer = lambda _request, _usual: None

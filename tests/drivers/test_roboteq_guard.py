@@ -16,7 +16,7 @@ from lbr.drivers.wheels.guard import PROGRAM
 from lbr.errors import DeviceError
 from tests.drivers.peers import DriverContext
 from tests.support import programs
-from tests.support.waiting import STOPS_S, until
+from tests.support.waiting import HANG_S, STOPS_S, until
 
 ENDING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 DRIVER = """
@@ -96,7 +96,7 @@ def test_a_frozen_driver_is_killed_and_the_motors_zeroed_before_the_watchdog(dri
     process, _guard = driver
     process.send_signal(signal.SIGSTOP)
     until(lambda: peer.motor == (0, 0), limit_s=STOPS_S)
-    assert process.wait(1.0) == -signal.SIGKILL
+    assert process.wait(HANG_S) == -signal.SIGKILL
 
 
 def test_a_driver_that_stands_still_at_rest_is_left_alone(peer):
@@ -122,10 +122,10 @@ def test_the_guard_says_why_before_it_kills(acknowledged):
     program = [sys.executable, "-I", "-S", str(PROGRAM), *numbers, STOP.hex(), acknowledged]
     guard = programs.start([*program, str(words), b"why".hex()], pass_fds=(line, beats, driver, words))
     os.write(alive, b"m")
-    assert victim.wait(2.0) == -signal.SIGKILL
+    assert victim.wait(HANG_S) == -signal.SIGKILL
     assert os.read(said, 16) == b"why"
     assert os.read(tty, 7) == STOP
-    assert guard.wait(2.0) == 0
+    assert guard.wait(HANG_S) == 0
     for fd in (tty, line, beats, alive, said, words, driver):
         os.close(fd)
 
@@ -138,7 +138,7 @@ def test_a_guard_that_is_dismissed_writes_nothing():
     program = [sys.executable, "-I", "-S", str(PROGRAM), str(line), str(beats), str(driver), "60"]
     guard = programs.start([*program, STOP.hex(), ACKNOWLEDGED.hex()], pass_fds=(line, beats, driver))
     os.write(alive, b"q")
-    assert guard.wait(10.0) == 0
+    assert guard.wait(HANG_S) == 0
     os.set_blocking(tty, False)
     with pytest.raises(BlockingIOError):
         os.read(tty, 7)

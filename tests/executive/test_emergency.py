@@ -15,7 +15,7 @@ from lbr.bus import keys, session, wire
 from lbr.executive.service import emergency
 from lbr.executive.service.emergency import Emergency
 from lbr.messages.system import EstopAcknowledgement, EstopState
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 
 class KeptStop:
@@ -197,7 +197,7 @@ def test_who_pressed_is_answered_once_a_slow_device_has_acknowledged_and_meanwhi
         state = robot.kept.state()
         assert (state.waiting, state.overdue, answers) == (("motors",), (), [])
         acknowledge(bus, engaged=True, within_s=9.0)
-        thread.join(5.0)
+        thread.join(HANG_S)
         assert [(one.acknowledged, one.waiting) for one in answers] == [(("motors",), ())]
         until(lambda: "estop_acknowledged" in dict(robot.news), what="it is reported")
         assert "estop_overdue" not in dict(robot.news)
@@ -207,7 +207,7 @@ def test_a_device_that_does_not_acknowledge_in_its_time_is_an_alarm_once(tmp_pat
     with keeper(tmp_path) as (robot, bus):
         thread, answers = pressed(robot)
         acknowledge(bus, engaged=True, stopped=False, within_s=0.7)
-        thread.join(5.0)
+        thread.join(HANG_S)
         assert [(one.waiting, one.overdue) for one in answers] == [(("motors",), ("motors",))]
         until(lambda: "estop_overdue" in dict(robot.news), what="it is reported")
         acknowledge(bus, engaged=True, within_s=0.7)

@@ -9,7 +9,7 @@ import pytest
 from lbr.errors import LbrError
 from lbr.executive.processes import mainthread
 from lbr.executive.processes.mainthread import MainThread
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 
 class Asker(threading.Thread):
@@ -43,7 +43,7 @@ def test_what_has_begun_is_waited_for_however_long_it_takes(monkeypatch: pytest.
     main, waited = MainThread(), threading.Event()
     asker = Asker(main, lambda: waited.wait(0.3) or "started")
     until(lambda: main.wait(0.02, ()) or asker.came, what="it is done")
-    asker.join(5.0)
+    asker.join(HANG_S)
     assert asker.came == ["started"]
 
 

@@ -380,7 +380,7 @@ def test_a_process_that_was_frozen_goes_on_when_its_pipe_hangs_up():
     popen.send_signal(signal.SIGSTOP)
     assert os.waitid(os.P_PID, popen.pid, os.WSTOPPED) is not None
     os.close(ours)
-    assert popen.wait(1.0) == 0
+    assert popen.wait(HANG_S) == 0
 
 
 def test_a_reaper_that_is_frozen_anew_after_the_end_of_the_executive_goes_on(executive):

@@ -73,7 +73,7 @@ def test_sigterm_ends_a_process_whose_main_thread_never_returns(wording) -> None
         assert popen.stdout is not None
         assert popen.stdout.readline() == "hangs\n"
         popen.send_signal(signal.SIGTERM)
-        _, errors = popen.communicate(timeout=5.0)
+        _, errors = popen.communicate(timeout=HANG_S)
     assert popen.returncode == FORCED
     wording(errors)
 
@@ -82,13 +82,13 @@ def test_sigterm_ends_a_process_whose_main_thread_never_returns(wording) -> None
 def test_it_counts_from_the_first_word_and_says_what_took_too_long(heard: bool, wording) -> None:
     ended: queue.SimpleQueue[str] = queue.SimpleQueue()
     woken = threading.Event()
-    shutdown = Shutdown(woken.set, end=ended.put, heard_s=0.05 if not heard else 5.0, over_s=0.1)
+    shutdown = Shutdown(woken.set, end=ended.put, heard_s=0.05 if not heard else 2 * HANG_S, over_s=0.1)
     assert ended.empty()
     if heard:
         shutdown.closing()
     shutdown.begin("signal SIGTERM")
     shutdown.begin("signal SIGTERM")
-    wording(ended.get(timeout=5.0))
+    wording(ended.get(timeout=HANG_S))
 
 
 @pytest.mark.slow_start

@@ -20,7 +20,7 @@ from lbr.bus import certificates
 from tests.support import programs
 from tests.support.door import Door, opened
 from tests.support.robot import LBR
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 
 def said(done: "subprocess.CompletedProcess[str]") -> str:
@@ -194,7 +194,7 @@ def test_a_terminal_is_asked_for_the_token_once_and_shows_none_of_it(door: Door,
     assert (b"refuses the token, the one saved in" in shown) == saved_before
     os.write(ours, f"{door.tokens['eye']}\n".encode())
     until(lambda: read(b"stopped"), what="it says")
-    assert popen.wait(5) == 0
+    assert popen.wait(HANG_S) == 0
     os.close(ours)
     assert door.tokens["eye"].secret.encode() not in shown
     assert stat.S_IMODE(saved.stat().st_mode) == 0o600

@@ -5,6 +5,7 @@ import pytest
 from PIL import Image
 
 from lbr.simulation.painter import Painter
+from tests.support.waiting import HANG_S
 
 
 def test_pictures_give_way_to_what_moves_the_robot(tmp_path, monkeypatch):
@@ -12,7 +13,7 @@ def test_pictures_give_way_to_what_moves_the_robot(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "getpriority", lambda _which, _who: -10)
     monkeypatch.setattr(os, "setpriority", lambda which, who, nice: ranks.append((which, who, nice)))
     painter = Painter(SimpleNamespace(home=str(tmp_path), robot="lbr"))
-    painter._worker.submit(lambda: None).result(5.0)
+    painter._worker.submit(lambda: None).result(HANG_S)
     painter.close()
     assert ranks == [(os.PRIO_PROCESS, 0, 0)]
 
@@ -28,7 +29,7 @@ def asked(bench, wanted, times=1):
     painter = Painter(bench.ctx)
     for _ in range(times):
         painter.ask(call, wanted, lambda: Image.new("1", (1, 1)))
-    painter._worker.submit(lambda: None).result(5.0)
+    painter._worker.submit(lambda: None).result(HANG_S)
     painter.finish()
     painter.close()
     return [reply.path for reply in bench.replies]

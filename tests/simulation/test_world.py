@@ -22,7 +22,7 @@ from lbr.simulation.settings import WorldSettings
 from lbr.simulation.wheeled import WheeledPhysics
 from tests.simulation.world_bench import Bench, Client
 from tests.support import programs
-from tests.support.waiting import STOPS_S, until
+from tests.support.waiting import HANG_S, STOPS_S, until
 
 
 @pytest.fixture
@@ -365,7 +365,7 @@ class Stepping:
 
     def advance(self, now, dt_s):
         self.entered.set()
-        self.over.wait(5.0)
+        self.over.wait(HANG_S)
 
     def resting(self, now):
         return False
@@ -389,7 +389,7 @@ def test_what_came_due_in_the_last_step_of_a_world_is_done_before_its_devices_ar
     twin.service = lambda now: served.append((physics.over.is_set(), now))
     loop = WorldLoop(physics, (twin,), time.monotonic)
     loop.open()
-    assert physics.entered.wait(5.0)
+    assert physics.entered.wait(HANG_S)
     assert not served[-1][0]
     loop.close()
     assert loop.failure is None

@@ -16,6 +16,7 @@ from lbr.simulation.devices.pico.twin import PicoTwin
 from lbr.simulation.twins.base import Surroundings
 from tests.operations.power.power_bench import GOOD, LOW, TICK_S, Running
 from tests.operations.power.private_bus import Logind, needs_dbus
+from tests.support.waiting import HANG_S
 
 EMULATED_LOW = replace(LOW, emulated=True)
 EMULATED_GOOD = replace(GOOD, emulated=True)
@@ -51,7 +52,7 @@ def make():
     for one in made:
         one.power.close()
     for thread in asking():
-        thread.join(5.0)
+        thread.join(HANG_S)
 
 
 # -- with logind ------------------------------------------------------------------------------------------------------

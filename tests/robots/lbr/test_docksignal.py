@@ -13,6 +13,7 @@ from lbr.messages.dock import DockHeard
 from lbr.messages.leases import CommandReply
 from tests.support import programs
 from tests.support.robot import environment
+from tests.support.waiting import HANG_S
 
 
 @pytest.mark.parametrize(
@@ -45,7 +46,7 @@ def program(place, *words: str) -> "subprocess.Popen[str]":
 
 def test_without_a_robot_it_says_so(tmp_path):
     ended = program(tmp_path, "left")
-    assert "no robot runs here" in ended.communicate(timeout=8)[0]
+    assert "no robot runs here" in ended.communicate(timeout=HANG_S)[0]
     assert ended.returncode == 1
 
 
@@ -66,7 +67,7 @@ def test_the_robot_of_this_home_hears_it(tmp_path, monkeypatch):
 
     served = wire.QueryServer(router, "lbr/dock/heard", answer)
     ended = program(tmp_path, "left")
-    assert ended.communicate(timeout=8)[0].endswith(" left\n")
+    assert ended.communicate(timeout=HANG_S)[0].endswith(" left\n")
     router.close()
     lock.release()
     assert ended.returncode == 0

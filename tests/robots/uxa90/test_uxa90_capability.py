@@ -16,7 +16,7 @@ from lbr.robots.uxa90.driver.packets import position_rad
 from lbr.testing import FakeCall
 from tests.drivers.peers import DriverContext
 from tests.robots.uxa90.uxa90_peers import Board
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 UNHEARD = "no servo answers"
 SETTINGS = {"device": "board", "guard": False, "sweep_hz": 50, "settle_s": 0.05, "reply_s": 0.05}
@@ -447,8 +447,8 @@ def test_a_stop_while_the_main_board_plays_takes_control_and_holds_everything_wh
 def test_a_stored_motion_that_still_waits_for_the_line_when_a_stop_comes_is_not_begun(rig, board, end):
     rig.known()
     line_is_taken, line_is_free = threading.Event(), threading.Event()
-    rig.driver._session.thread.submit(lambda _bus: line_is_taken.set() or line_is_free.wait(5.0), READ)
-    line_is_taken.wait(5.0)
+    rig.driver._session.thread.submit(lambda _bus: line_is_taken.set() or line_is_free.wait(HANG_S), READ)
+    line_is_taken.wait(HANG_S)
     rig.idle(lease="a", stored=play(5))
     rig.until(lambda: rig.state.stored is not None and rig.state.stored.phase == "playing")
     if end == "halt":

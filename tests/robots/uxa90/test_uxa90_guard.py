@@ -14,7 +14,7 @@ from lbr.errors import DeviceError
 from lbr.robots.uxa90.driver.guard_release import BoardRelease
 from tests.robots.uxa90.uxa90_peers import Board
 from tests.support import programs
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 DRIVER = """
 import json, sys, time
@@ -76,7 +76,7 @@ def test_a_driver_that_hangs_is_killed_and_its_guard_holds_the_servos_then_brake
     assert board.frames[0][8] == 0x10
     assert not board.moves()
     until(lambda: board.packets[-3:] == [bytes.fromhex(one) for one in ("FFC01050", "FFC11051", "FFC21052")])
-    assert process.wait(5.0) == -signal.SIGKILL
+    assert process.wait(HANG_S) == -signal.SIGKILL
 
 
 def test_the_guard_of_a_killed_driver_ends_what_the_main_board_plays_and_a_new_driver_takes_the_line_from_it(board):
@@ -87,7 +87,7 @@ def test_the_guard_of_a_killed_driver_ends_what_the_main_board_plays_and_a_new_d
     process.kill()
     until(lambda: board.mode == "pc")
     assert not board.packets
-    process.wait(5.0)
+    process.wait(HANG_S)
     made = []
 
     def opened():
