@@ -8,7 +8,6 @@ import importlib
 import os
 import shutil
 import signal
-import sys
 import tempfile
 import warnings
 from collections.abc import Iterator
@@ -25,8 +24,6 @@ from tests.support.robot import Robot, prepare, running
 from tests.support.wording import wording  # noqa: F401 - a fixture
 
 PLACE = sweep.enter()
-os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # a robot is ten processes, and each would compile all that it imports
-sys.dont_write_bytecode = False
 os.environ["DBUS_SYSTEM_BUS_ADDRESS"] = "unix:path=/nonexistent"  # no test may power this machine off
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell in the background has it ignored, in children too
 signal.signal(signal.SIGHUP, signal.SIG_DFL)  # `nohup` has it ignored, in children too

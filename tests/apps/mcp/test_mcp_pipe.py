@@ -11,7 +11,6 @@ import pytest
 from tests.support import needs
 
 needs.modules("mcp")
-from lbr.apps.mcp.stdio import Pipe  # noqa: E402 - it needs mcp
 
 
 @pytest.fixture(params=["pipe", "socket"])
@@ -25,6 +24,12 @@ def ends(request):
     ours, theirs = socket.socketpair()
     with closing(ours), closing(theirs):
         yield theirs.fileno(), ours.fileno()
+
+
+def pipe_to(descriptor):
+    from lbr.apps.mcp.stdio import Pipe  # mcp takes seconds to load, and only one of the test processes needs it
+
+    return Pipe(descriptor)
 
 
 async def beats_of(pipe, count, client):
@@ -51,7 +56,7 @@ def test_a_client_that_reads_lives(ends):
             await asyncio.to_thread(os.read, read, 100)
 
     async def main():
-        pipe = Pipe(write)
+        pipe = pipe_to(write)
         assert not pipe.why_not()
         await beats_of(pipe, 5, reads)
         os.write(write, b"\n")  # the thread that reads ends
@@ -64,7 +69,7 @@ def test_a_client_that_reads_nothing_shows_nothing(ends):
 
     async def main():
         beaten = asyncio.Event()
-        following = asyncio.create_task(Pipe(write).follow(beaten.set))
+        following = asyncio.create_task(pipe_to(write).follow(beaten.set))
         with pytest.raises(TimeoutError):
             await asyncio.wait_for(beaten.wait(), 0.2)
         following.cancel()
@@ -76,7 +81,7 @@ def test_a_message_follows_blanks_and_is_whole(ends):
     read, write = ends
 
     async def main():
-        pipe = Pipe(write)
+        pipe = pipe_to(write)
         following = asyncio.create_task(pipe.follow(lambda: None))
         assert await asyncio.to_thread(os.read, read, 1) == b" "
         await pipe.write('{"id": 1}\n')
@@ -91,4 +96,4 @@ def test_a_message_follows_blanks_and_is_whole(ends):
 
 def test_a_file_tells_nothing_of_a_client():
     with tempfile.TemporaryFile() as file:
-        assert Pipe(file.fileno()).why_not()
+        assert pipe_to(file.fileno()).why_not()
