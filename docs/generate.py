@@ -338,7 +338,7 @@ _UNITS = re.compile(r"_(m|cm|deg|rad|s|ms|us|v|a|c|hz|px|mps|rps|dps|mps2|nm|kg|
 UNITS = {"metres", "degrees", "seconds", "microseconds", "volts", "microtesla", "amperes", "kilograms", "per cent"}
 """Names with a unit are numbers: the type says no more."""
 NAME = "^[a-z][a-z0-9_]*$"
-_CODES = {"why, from the list of codes; empty: nothing to tell": "a [code](codes.md)"}
+_CODES = {"why, from the list of codes; empty: no reason": "a [code](codes.md)"}
 
 
 def inline_fields(struct: type[Struct], common: Iterable[str] = ()) -> str:

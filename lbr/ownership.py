@@ -96,7 +96,7 @@ def side_file_faults(path: Path) -> tuple[Fault, ...]:
         elif seen.st_nlink > 1:
             text = f"has a second name (a hard link, {mode})"
         if text:
-            text += ", and SQLite would take in what it says"
+            text += ", and SQLite would read it"
             found.append(Fault(path=name, text=text, do=f"look where it came from, then `{sudo}rm {_quoted(name)}`"))
     return tuple(found)
 

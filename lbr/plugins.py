@@ -263,7 +263,7 @@ def _component(entry: Entry) -> tuple[Component | None, str]:
         why = next(_faults(found), "")
     if not why:
         return found, ""
-    why = contradiction(entry.requires) or f"{why}; have it mended, or uninstall the package"
+    why = contradiction(entry.requires) or f"{why}; repair it, or uninstall the package"
     return None, f"{entry.label} ({entry.value}): {why}"
 
 

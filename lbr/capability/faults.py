@@ -104,7 +104,7 @@ def _contradictions(kind: Kind) -> Iterator[str]:
         fields = command.message.__struct_fields__
         yield from _strangers("choices", command.choices, fields, f"a field of {command.message.__name__}")
     if kind.rights.pairs and not ("address" in kind.commands and "pair" in kind.requests):
-        yield "'pairs' needs a command 'address', which says where it is, and a request 'pair'"
+        yield "'pairs' needs a command 'address', which returns its address, and a request 'pair'"
 
 
 def _strangers(field: str, names: Iterable[object], known: Collection[str], what: str) -> Iterator[str]:
@@ -158,7 +158,7 @@ def _table(field: str, row: type[Row]) -> Iterator[str]:
         fault = f"its TABLE is {_brief(table)}, and must be the name of one"
     columns = row.__struct_fields__
     if not fault and not (isinstance(key, tuple) and key and all(column in columns for column in key)):
-        fault = f"its KEY is {_brief(key)}, and must be the columns that tell its rows apart"
+        fault = f"its KEY is {_brief(key)}, and must be the columns that identify a row"
     if fault:
         yield f"'{field}' names {row.__name__}, which is not a table: {fault}"
 

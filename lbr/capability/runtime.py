@@ -259,7 +259,7 @@ class ProcessContext:
         """Return the rows of a table that the kind reads."""
         if row not in self._rows:
             if row.TABLE not in self._row_sets:
-                raise ValueError(f"'{self.name}' reads no rows of '{row.TABLE}': its kind says so by `rows`")
+                raise ValueError(f"'{self.name}' reads no rows of '{row.TABLE}': list them in `rows` of its kind")
             self._rows[row] = tuple(msgspec.json.decode(self._row_sets[row.TABLE].rows, type=list[row]))  # type: ignore[valid-type]
         return cast("tuple[R, ...]", self._rows[row])
 
@@ -399,7 +399,7 @@ class ProcessContext:
         """Have learnt rows stored."""
         for row in rows:
             if type(row) not in self.kind.learns:
-                raise ValueError(f"'{self.name}' learns no rows of '{row.TABLE}': its kind says so by `learns`")
+                raise ValueError(f"'{self.name}' learns no rows of '{row.TABLE}': list them in `learns` of its kind")
         told = _plain(rows)
         self._reporter.learnt(changes(self._row_sets, told))
         self._take_over(told)

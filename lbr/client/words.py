@@ -85,7 +85,7 @@ class Word(Generic[R]):
 def _text(value: object) -> str:
     text = str(value)
     if not text.strip() or not text.isprintable():
-        raise InputError(f"{text!r} cannot be said: it is empty, or more than a line")
+        raise InputError(f"{text!r} cannot be sent: it is empty, or more than a line")
     return text
 
 

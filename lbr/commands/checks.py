@@ -189,9 +189,9 @@ def _governor() -> Iterator[Finding]:
 
 def _clock() -> Iterator[Finding]:
     if stamp.boot_id():
-        yield Finding(about="clock", level="good", text="ages of messages can be told")
+        yield Finding(about="clock", level="good", text="the age of messages is known")
     else:
-        text = "no boot id: ages of messages cannot be told"
+        text = "no boot id: the age of messages is unknown"
         yield Finding(about="clock", level="hint", text=text, do="mount /proc")
 
 
@@ -210,5 +210,5 @@ def _unheard(robot: str) -> Iterator[Finding]:
     for state in states:
         if msgspec.json.decode(state.payload, type=DeviceState).heard is False:
             name = state.key.split("/")[1]
-            text = f"the device of '{name}' has sent nothing since its line was opened: its state is what it was told"
+            text = f"the device of '{name}' has sent nothing since its line was opened: its state is only what was sent to it"
             yield Finding(about=f"{robot}/{name}", level="hint", text=text, do="check the device's power and cable")

@@ -34,7 +34,7 @@ WAIT_S, LONGEST_WAIT_S = 2.0, 30.0
     help="How long one line is asked, at most.",
 )
 @click.option("--write", is_flag=True, help="Write the rows that are proposed; 'lbr db undo' takes them back.")
-@click.option("--watch", is_flag=True, help="Go on, and tell what is plugged in and pulled out.")
+@click.option("--watch", is_flag=True, help="Go on, and report what is plugged in and pulled out.")
 @database_option
 @json_option
 def command(

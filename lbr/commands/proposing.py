@@ -81,7 +81,7 @@ def _moved(end: Attached, row: DeviceRow) -> Proposal:
             address=end.address,
             text=f"device '{row.name}' is of type {row.type}, and this is a {end.type}: say another name",
         )
-    text = f"device '{row.name}' waits for one at {row.address}: have it here"
+    text = f"device '{row.name}' waits for one at {row.address}: use this one"
     return Proposal(address=end.address, text=text, changes=[RowChange(table="device", before=before, after=after)])
 
 
@@ -104,7 +104,7 @@ def _added(
         wired = f", wired by {len(channels)} channels"
     else:
         is_read = bool(waiting) or not kind.outputs
-        wired = "" if is_read else ", which nothing hears: rows of the table 'channel' say who does"
+        wired = "" if is_read else ", which nothing reads yet: add rows of the table 'channel'"
     on = f"; switch on {' and '.join(waiting)}, for which it is" if waiting else ""
     return Proposal(
         address=end.address,

@@ -138,7 +138,7 @@ def _bus(end: Attached, known: Known, held: Mapping[str, str], *, ask: bool) -> 
         for at, text in skip.items()
     ]
     if not ask:
-        return [*used, msgspec.structs.replace(end, text="not asked: an i2c device says nothing by itself")]
+        return [*used, msgspec.structs.replace(end, text="not asked: an i2c device sends nothing by itself")]
     found = recognising.at_i2c(end.address, known, skip)
     here = [
         _recognised(msgspec.structs.replace(end, address=f"{end.address}:{at:#04x}"), told, "") for at, told in found

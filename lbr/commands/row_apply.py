@@ -125,7 +125,7 @@ def _apply(
         trial = None if within_s is None or proposed.revision == proposed.before else _awaited(rows, proposed.revision)
         code = tell(
             proposed,
-            f"the rows are as {source} says",
+            f"the rows are those of {source}",
             dry_run=dry_run,
             as_json=as_json,
             touched=touching.effects(),
@@ -145,7 +145,7 @@ def _awaited(rows: Database, revision: int) -> Trial | None:
             if trial.robot not in running_here(rows.path):
                 return replace(trial, text="its robot ended: its next start goes back")
             if time.monotonic() >= until:
-                return replace(trial, text="its robot does not judge it: 'lbr status' says how it is")
+                return replace(trial, text="its robot does not judge it: 'lbr status' shows its state")
             time.sleep(LOOK_S)
             trial = trials.newest(rows)
     return trial

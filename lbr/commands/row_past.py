@@ -47,9 +47,9 @@ def change_options(function: F) -> F:
             "expected",
             type=click.IntRange(0),
             metavar="N",
-            help="Refuse if the rows have another revision by now than the one that you looked at.",
+            help="Refuse if the rows have changed since this revision.",
         ),
-        click.option("--dry-run", is_flag=True, help="Only say what would be done."),
+        click.option("--dry-run", is_flag=True, help="Show the effects, and write nothing."),
         database_option,
         json_option,
     )
@@ -64,7 +64,7 @@ def change_options(function: F) -> F:
 )
 @click.option("--robot", metavar="NAME", shell_complete=complete_robot, help="Changes of one robot's rows.")
 @click.option("--table", metavar="TABLE", shell_complete=complete_table, help="Changes of one table's rows.")
-@click.option("--row", metavar="ROW", help="Changes of one row, as it is told: lbr/drive, or drive.")
+@click.option("--row", metavar="ROW", help="Changes of one row, by its name: lbr/drive, or drive.")
 @database_option
 @json_option
 def history(

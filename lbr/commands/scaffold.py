@@ -94,7 +94,7 @@ def next_steps(template: What, name: str, folder: Path) -> tuple[str, ...]:
         f"{tools}pip install -e {shlex.quote(f'{typed}{extra}')}",
         f"{tools}lbr run {name.replace('_', '-')}-sim",
         f"{tools}pytest {shlex.quote(typed)}",
-        f"{typed}/README.md says what each file is, docs/{page}.md of lbr all the rest",
+        f"{typed}/README.md explains each file, docs/{page}.md of lbr all the rest",
     )
 
 

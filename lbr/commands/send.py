@@ -50,9 +50,9 @@ def command(words: tuple[str, ...], whom: Whom, hold_s: float, wait_s: float, as
     """
     line = printable.clean(" ".join(words))
     if not line:
-        raise InputError("there is nothing to send; 'lbr send help' lists what can be said")
+        raise InputError("there is nothing to send; 'lbr send help' lists all words")
     if line.startswith("!"):
-        raise InputError("Python runs at the robot's own console only; 'lbr send help' lists what can be said")
+        raise InputError("Python runs at the robot's own console only; 'lbr send help' lists all words")
 
     def announce(result: ConsoleResult) -> None:
         if not as_json:

@@ -34,7 +34,7 @@ power_off_option = click.option(
 motor_relay_option = click.option(
     "--motor-relay", metavar="ADDRESS", help="Have the relay of the UPS PIco there (i2c:1:0x69) feed the motors."
 )
-dry_run_option = click.option("--dry-run", is_flag=True, help="Only say what would be done.")
+dry_run_option = click.option("--dry-run", is_flag=True, help="Show the effects, and write nothing.")
 overwrite_option = click.option("--overwrite", is_flag=True, help="Files that were edited by hand, too.")
 
 

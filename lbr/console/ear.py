@@ -28,7 +28,7 @@ class Ear:
     def deaf(self, since: float) -> str:
         """Return why a motion held since then must end, empty if it may go on."""
         if not self._clock() - max(self._beaten, since) <= FRESH_S:
-            return f"the console was held up for {FRESH_S:g} s, and would not have heard a stop"
+            return f"the console was held up for {FRESH_S:g} s, and would have missed a stop"
         return self.also()
 
 

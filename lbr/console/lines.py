@@ -170,7 +170,7 @@ class Lines:
         dropped = [one_line(str(self._next.popleft()[1]).strip()) for _ in range(count)]
         if dropped:
             more = f" and {count - DROPPED_TOLD} more" if count > DROPPED_TOLD else ""
-            self._failed(f"a stop came, so not said any more: {', '.join(dropped[:DROPPED_TOLD])}{more}", FAILED)
+            self._failed(f"a stop came, so these lines are not sent: {', '.join(dropped[:DROPPED_TOLD])}{more}", FAILED)
 
     def _is_over(self, until: float | None, *, ready: bool) -> bool:
         return ready if until is None else not time.monotonic() < until

@@ -191,7 +191,7 @@ class BusOperator:
             if not late:
                 self._holder = holder
         if late:
-            stop(self._session, hold.stop_key, self._source, "another line was said meanwhile")
+            stop(self._session, hold.stop_key, self._source, "another line was sent meanwhile")
             return
         if before is not None:
             before.drop()
@@ -227,10 +227,10 @@ class BusOperator:
             answered.wait(1.0)
             answered.clear()
         if not question.replies:
-            sent = "; what moves was told to stop, and has not confirmed it" if emergency(line) is not None else ""
+            sent = "; the stop was sent, and is not confirmed" if emergency(line) is not None else ""
             switch = f"{sent}; if it moves, use the hardware switch" if is_stop(line) else ""
             raise BusError(
-                f"robot '{self.robot}' does not answer{switch}; 'lbr status' (with --connect, if you used it) says why"
+                f"robot '{self.robot}' does not answer{switch}; 'lbr status' (with --connect, if you used it) shows the reason"
             )
         try:
             return Decoder(ConsoleResult).decode(question.replies[0].payload)

@@ -229,7 +229,7 @@ class Terminal:
 
     def _tell_dropped(self, dropped: list[str]) -> None:
         if dropped:
-            self._print(f"Not said any more: {', '.join(dropped)}", "warning")
+            self._print(f"Not sent: {', '.join(dropped)}", "warning")
 
     def _overheard(self, stop: str) -> None:
         """Also stop when the editor does not treat these keys as a line: it searches, or waits for a paste's end."""

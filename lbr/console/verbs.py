@@ -50,7 +50,7 @@ CONFIRMED = "confirmed"
 OWN = "executive"
 """The owner of lbr's own words, in targets."""
 _LEAVE = "Ctrl-D leaves 'lbr console' and the robot runs on; at 'lbr run' it shuts the robot down, as 'Shutdown' does"
-_HINTS = {"quit": _LEAVE, "exit": _LEAVE, "?": "'help' lists what can be said"}
+_HINTS = {"quit": _LEAVE, "exit": _LEAVE, "?": "'help' lists all words"}
 
 Parsed = VerbCall | ExternalCall | ExternalStop | PythonLine
 
@@ -216,7 +216,7 @@ class Vocabulary:
         hint = f"did you mean '{by_word[close[0]]}'? " if close else ""
         if any(word == verb.row.target_end[0] for verb in self._verbs):
             hint = f"'help {word}' lists the words of that part, "
-        text = f"'{short(word)}' is not a word of this robot; {hint}'help' lists what can be said"
+        text = f"'{short(word)}' is not a word of this robot; {hint}'help' lists all words"
         return InputError(text, "unknown_command")
 
 
@@ -293,7 +293,7 @@ def _arguments(row: ExternalCommandRow, text: str) -> tuple[str, ...]:
     except ValueError:
         raise InputError("a quotation mark or backslash in the arguments has no partner") from None
     if refusal := arguments.refusal(row.arguments or (), given):
-        raise InputError(f"'{row.name}' {refusal}; the row's column 'arguments' says what may follow it")
+        raise InputError(f"'{row.name}' {refusal}; the row's column 'arguments' lists them")
     return given
 
 

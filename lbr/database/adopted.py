@@ -8,7 +8,7 @@ from lbr.database.tables import WRITTEN_BY_LBR
 
 KEPT = 100
 _CHANGED = (
-    "the rows are not those that ran before, and no edit tells of a change: the file is damaged, or was changed with"
+    "the rows are not those that ran before, and no edit explains it: the file is damaged, or was changed with"
     " its triggers off; `lbr db restore` puts the last good copy in its place, any edit approves the rows as they are"
 )
 

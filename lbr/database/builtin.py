@@ -30,8 +30,8 @@ WORDS: tuple[Word, ...] = (
     Word("/estop/{reason...}", "estop", "view", "Emergency stop, and why"),
     Word("reset", "reset", "operate", "Release the emergency stop; nothing moves by that alone"),
     Word("status", "status", "view", "Show what runs and how it is"),
-    Word("help", "help", "view", "List what can be said here. With a word: what it takes, such as `help r`"),
-    Word("/help/{word}", "help", "view", "Tell what a word takes"),
+    Word("help", "help", "view", "List the words of this robot. With a word: its fields, such as `help r`"),
+    Word("/help/{word}", "help", "view", "Show the fields of a word"),
     Word("Shutdown", "shutdown", "admin", "Stop everything in order and end; mind the capital letter"),
 )
 

@@ -93,7 +93,7 @@ def _form(row: type[Row], change: changes.Change) -> RowChange:
 def _class_of(change: RowChange, schema: Schema, classes: Classes) -> type[Row]:
     row = of(change.table, schema, classes)
     if change.before is None and change.after is None:
-        raise InputError(f"a change of {row.TABLE} says neither what was nor what is to be")
+        raise InputError(f"a change of {row.TABLE} has neither an old nor a new row")
     if why := fixed(row):
         raise InputError(why, "denied")
     return row

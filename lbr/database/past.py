@@ -158,7 +158,7 @@ def _alike(one: object, other: object) -> bool:
 
 
 def _lost(revision: RevisionRow, why: str) -> InputError:
-    text = f"the rows before revision {revision.id} ({revision.changed_at}) cannot be told any more: {why}"
+    text = f"the rows before revision {revision.id} ({revision.changed_at}) cannot be restored any more: {why}"
     return InputError(f"{text}; nothing was changed", "not_possible")
 
 

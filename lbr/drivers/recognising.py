@@ -76,7 +76,7 @@ def _go_through(
                 time.sleep(LEAVE_S)
             return (type_, seen), ""
     if not count:
-        return None, "it says nothing to what the drivers here ask" if ask else "it says nothing by itself"
+        return None, "it answers no question of the drivers here" if ask else "it sends nothing by itself"
     return None, f"it says {count} bytes that no driver here knows, which begin with {begin.hex(' ')}"
 
 

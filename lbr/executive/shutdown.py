@@ -81,7 +81,7 @@ class Shutdown:
         self._begun.wait()
         since = time.monotonic()
         if not self._heard.wait(self._heard_s):
-            self._end(f"the main thread has not heard of the shutdown for {self._heard_s:g} s")
+            self._end(f"the main thread has not noticed the shutdown for {self._heard_s:g} s")
         else:
             time.sleep(max(0.0, since + self._over_s - time.monotonic()))  # the end of the process ends this thread
             self._end(f"the shutdown takes longer than {self._over_s:g} s")

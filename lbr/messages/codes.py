@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-ReasonCode = Annotated[str, Meta(description="why, from the list of codes; empty: nothing to tell")]
+ReasonCode = Annotated[str, Meta(description="why, from the list of codes; empty: no reason")]
 """A code in messages."""
 
 Code = Literal[
@@ -123,7 +123,7 @@ MEANINGS: dict[Code, str] = {
     "wiring": "a channel row is missing or surplus",
     "unreachable": "a process or device that it needs does not answer",
     "timeout": "it was not done or answered in time",
-    "failed": "it went wrong; the sentence says how",
+    "failed": "it went wrong; the sentence has the reason",
     "refused": "refused, for a reason without a code of its own",
 }
 """The documented list: every code with its meaning."""

@@ -128,7 +128,7 @@ class DriverBench:
             )
 
         self.until(armed, "its driver is armed by a zero")
-        self.until(turning, "its wheels are told to turn")
+        self.until(turning, "its wheels get power")
 
     def as_json(self, powers: Powers = POWER) -> dict[str, Any]:
         """Return the bench as JSON for another process, which drives wheels with these powers."""
@@ -222,7 +222,7 @@ def misses_its_device_and_comes_back(bench: DriverBench) -> None:
     bench.errors.clear()
     bench.ctx.health.clear()
     bench.device.fault(bench.lost)
-    bench.until(bench.in_trouble, f"the loss by '{bench.lost}' is told")
+    bench.until(bench.in_trouble, f"the loss by '{bench.lost}' is reported")
     bench.device.fault(bench.lost, value=False)
     bench.works()
     bench.close()
@@ -250,7 +250,7 @@ def says_that_its_device_is_silent(bench: DriverBench) -> None:
     bench.errors.clear()
     bench.ctx.health.clear()
     bench.device.fault("silent", silent)
-    bench.until(bench.in_trouble, "it is told that the device is silent")
+    bench.until(bench.in_trouble, "the silence of the device is reported")
     bench.device.fault("silent", usual)
     bench.works()
     bench.close()

@@ -205,7 +205,7 @@ def moves_nothing_when_it_opens(servos: ServosBench) -> None:
     """Before the first setpoint no servo gets torque. The driver knows each servo's angle."""
     servos.works()
     began = servos.shafts.at()
-    servos.until(lambda: _positions_known(servos), "each servo's position is told")
+    servos.until(lambda: _positions_known(servos), "each servo's position is reported")
     servos.steps(WATCHED_S)
     assert not any(servos.shafts.torque().values()), "a servo got torque that nobody wanted"
     assert servos.moved_rad(began) == 0.0
@@ -213,7 +213,7 @@ def moves_nothing_when_it_opens(servos: ServosBench) -> None:
         true = began[servo.id]
         assert servo.position_rad is not None
         assert abs(servo.position_rad - true) < AT_RAD, (
-            f"servo {servo.id} is at {true:.3f} rad and the driver says {servo.position_rad:.3f}: driver and twin read the "
+            f"servo {servo.id} is at {true:.3f} rad and the driver reports {servo.position_rad:.3f}: driver and twin read the "
             "data sheet in two ways"
         )
 
@@ -224,7 +224,7 @@ def switches_torque_on_where_the_servos_are(servos: ServosBench) -> None:
         servos.shafts.push(way_rad)
         began = servos.shafts.at()
         servos.works()
-        servos.until(lambda: _true(servos), "the driver says where they are")
+        servos.until(lambda: _true(servos), "the driver reports their positions")
         servos.energised()
         servos.steps(WATCHED_S)
         assert all(servos.shafts.torque().values()), "a servo lost its torque again"
@@ -247,7 +247,7 @@ def follows_its_goals(servos: ServosBench) -> None:
             ),
             f"all have turned by {way_rad:g} rad",
         )
-        servos.until(lambda: _true(servos), "the driver says where they are")
+        servos.until(lambda: _true(servos), "the driver reports their positions")
 
 
 def stays_where_it_is_stopped(servos: ServosBench) -> None:

@@ -71,7 +71,7 @@ def _each_way(bench: DriverBench, mounted: Mapping[str, float]) -> None:
                 bench.drive(powers)
                 return {motor: _sign(power) for motor, power in _powers(bench, time.monotonic()).items()} == wanted
 
-            bench.until(turns, f"of its motors '{name}' alone turns, the way that it is told to ({way:+g})")
+            bench.until(turns, f"of its motors '{name}' alone turns, in the commanded direction ({way:+g})")
     bench.close()
 
 

@@ -63,13 +63,13 @@ def _joint(report: Report[JointsState], name: str, state: JointState) -> Iterato
         recover = say(f"{part.name}.recover", f"/recover/{name}", joints=[name])
         yield report.link("fault", "held", text, "latched", do=f"remove the cause, let it cool, then {recover}")
     elif state.trusted is False:
-        text = f"what servo {state.id} of '{name}' tells of its place is not believed{reason}"
+        text = f"what servo {state.id} of '{name}' reports as its position is not believed{reason}"
         yield report.link("reading", "held", text, "stale_sensor", do="look at its horn and its wiring")
     elif state.position_rad is None and not _open_loop(part):
         others = [other for other, each in report.state.joints.items() if each.position_rad is None and other != name]
         if others:  # that is not the fault of one servo
             text = f"'{name}' and {_some(others)} are not measured: their supply, what feeds them, or their driver"
-            do = "see that they have power; lbr why tells of all that moves"
+            do = "check their power; lbr why lists all that moves"
             yield report.link("power", "held", text, "unreachable", do=do)
         else:
             text = f"servo {state.id} of '{name}' does not answer{reason}"
@@ -104,8 +104,8 @@ def _at_limit(report: Report[JointsState], name: str, position_rad: float) -> It
 
 def unheard(report: Report[MotorsState | ServosState], who: str) -> Link:
     """Return that a device has never sent anything: that it works is only an assumption."""
-    text = f"{who} has sent nothing since its line was opened: it is told, and may not be there"
-    do = "check its power and cable; of one that never answers nothing is known but what it was told"
+    text = f"{who} has sent nothing since its line was opened: perhaps it is missing"
+    do = "check its power and cable; without an answer lbr knows only what it sent"
     return report.link("line", "doubt", text, "unreachable", do=do, about=report.part.device)
 
 

@@ -169,7 +169,7 @@ def _of_others(link: Link, owner: Part) -> bool:
 def _program(facts: Facts, name: str) -> Link:
     row = f"row external_command.{name}"
     if facts.programs[name]:
-        text = f"'{name}' is a program that runs when it is said"
+        text = f"'{name}' is a program that its word starts"
         return Link("row", name, "ok", text, evidence=row)
     do = update("external_command", f"name = '{name}'", facts.robot)
     text = f"'{name}' is switched off by its row: enabled is 0"

@@ -73,6 +73,6 @@ def refusal(now: Snapshot, part: Part) -> Iterator[Link]:
                 event.code,
                 since_s=ago_s,
                 evidence="event refused",
-                do="mend that, and say it again",
+                do="correct that, and try again",
             )
             return

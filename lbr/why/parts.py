@@ -51,7 +51,7 @@ def process(now: Snapshot, part: Part) -> Link:
     """Return the state of its process, and its recent ends."""
     unit = now.unit(part.name)
     if unit is None:
-        nothing = "nothing says how its process is" if now.executive != "up" else "it has no process"
+        nothing = "the state of its process is unknown" if now.executive != "up" else "it has no process"
         held = now.executive == "up"
         return Link(
             "process",
@@ -159,7 +159,7 @@ def line(now: Snapshot, part: Part) -> Link | None:
         unit.code or "unreachable",
         since_s=now.since_s(part.name, ("degraded",)),
         evidence=evidence,
-        do="what it says; lbr doctor looks at this machine's side of it",
+        do="follow that sentence; lbr doctor checks this machine",
     )
 
 
@@ -173,7 +173,7 @@ def silence(now: Snapshot, part: Part) -> Iterator[Link]:
         "process",
         part.name,
         "doubt",
-        f"'{part.name}' runs and does not answer: it hangs, is starved, or has said nothing yet",
+        f"'{part.name}' runs and does not answer: it hangs, is starved, or has sent nothing yet",
         "timeout",
         evidence=f"no answer on {topics[0]}",
         do="ask again in a second: what hangs is ended and started again",

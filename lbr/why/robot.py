@@ -78,7 +78,7 @@ def rows(now: Snapshot) -> Iterator[Link]:
             codes[index] if index < len(codes) else "bad_value",
             since_s=now.since_s("rows", ("rows_refused",)),
             evidence="@status" if status is not None else "the rows",
-            do="correct that row; lbr db check tells of all",
+            do="correct that row; lbr db check lists all problems",
         )
 
 

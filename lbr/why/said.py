@@ -93,7 +93,7 @@ def _camera(report: Report[CameraState]) -> Iterator[Link]:
             "held",
             f"'{part.name}' gives no pictures: {state.reason or f'it is {state.phase}'}",
             "unreachable" if state.phase == "lost" or state.reason else "not_ready",
-            do="what it says; else wait a second",
+            do="follow that sentence; else wait a second",
             about=part.device,
             since=("degraded", "lost"),
         )
@@ -215,7 +215,7 @@ def _teleop(report: Report[TeleopState]) -> Iterator[Link]:
         do = "hold its dead-man button, and then push a stick from its centre"
         yield report.link("input", "held", text, state.code, do=do)
     else:
-        yield report.link("input", "doubt", text, state.code, do="lbr devices says what is plugged in")
+        yield report.link("input", "doubt", text, state.code, do="lbr devices lists what is plugged in")
 
 
 _STATES: dict[type[Any], Callable[[Report[Any]], Iterator[Link]]] = {

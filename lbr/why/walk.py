@@ -79,7 +79,7 @@ class Walk:
                     f"the rows were changed: {event.text}",
                     since_s=self.now.ago_s(event),
                     evidence="event rows_changed",
-                    do="lbr db history tells what was changed; lbr db undo takes it back",
+                    do="lbr db history shows the change; lbr db undo takes it back",
                 )
                 return
 
@@ -147,7 +147,7 @@ class Walk:
         topic = end.replace(".", "/")
         newest = self.now.messages.get(topic)
         if newest is None:
-            text = f"nothing is heard on {topic}, which '{part.name}' goes by"
+            text = f"nothing arrives on {topic}, which '{part.name}' needs"
             yield Link("input", source.name, "doubt", text, "stale_sensor", evidence=topic, do=f"lbr topic hz {topic}")
         elif newest.age_s is not None and newest.age_s > FRESH_S:
             age_s, text = newest.age_s, f"{topic}, which '{part.name}' goes by, is {newest.age_s:.1f} s old"

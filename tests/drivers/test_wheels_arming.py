@@ -91,7 +91,7 @@ def test_after_a_long_rest_only_a_motion_that_has_just_begun_is_obeyed(age_s, mo
     if not moves:
         again = receive(receive(state, at(11.02), 11.02, VALID_S), at(11.03, 0.1, 0.1, "L1"), 11.03, VALID_S)
         assert not again.moving
-        assert (state.trips, state.reason) == (0, f"the beginning of this motion was not heard; {START}")
+        assert (state.trips, state.reason) == (0, f"the beginning of this motion was missed; {START}")
 
 
 def test_a_motion_lapses_as_ever_after_a_zero_that_stays():

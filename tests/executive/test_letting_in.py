@@ -150,7 +150,7 @@ def test_phone_draws_no_code_while_the_server_is_not_back(rows):
     console.listen_at = lambda *edit: (Console.listen_at(console, *edit), setattr(console, "answers", False))
     result = console.words.phone("console")
     assert (result.code, result.reason_code, console.codes) == (1, "unreachable", [])
-    assert "say 'phone' again" in result.text
+    assert "type 'phone' again" in result.text
 
 
 def test_no_code_is_drawn_for_a_role_that_is_none_or_where_nothing_serves(rows):

@@ -117,7 +117,7 @@ class Once(Blind):
         (Blind, names_a_device_that_is_not_there, "not missed"),
         (Blind, misses_its_device_and_comes_back, "the loss by 'unplug' is told"),
         (Blind, acknowledges_the_emergency_stop, "acknowledged"),
-        (Blind, says_that_its_device_is_silent, "it is told that the device is silent"),
+        (Blind, says_that_its_device_is_silent, "the silence of the device is reported"),
         (Wild, publishes_no_rubbish, "Expected `float`"),
         (Blind, may_be_killed, "is its package installed"),
         (Vague, names_a_device_that_is_not_there, "which device"),

@@ -102,7 +102,7 @@ def test_a_driver_of_ours_stops_wheels_by_each_layer(check, bench):
         (RUBBISH, stops_by_its_guard_alone, "its guard, after it was killed"),
         (ONE_OF_TWO, stops_by_its_guard_alone, "its guard, after it was killed"),
         (NEVER_TURNING, stops_by_its_guard_alone, "its guard, while it was frozen"),
-        (ONE_DIRECTION, turns_each_motor_its_own_way, "alone turns, the way that it is told to"),
+        (ONE_DIRECTION, turns_each_motor_its_own_way, "alone turns, in the commanded direction"),
     ],
     ids=["unset watchdog", "rubbish of a guard", "guard of one motor", "never turning", "direction ignored"],
 )

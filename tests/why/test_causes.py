@@ -420,7 +420,7 @@ def test_a_gamepad_that_is_pulled_out_is_told_by_its_driver(all_rows):
     rows = replace(rows, capabilities=(*rows.capabilities, pad), devices=(*rows.devices, device))
     now = healthy.snapshot(healthy.facts_of(rows))
     assert explain(now, "teleop").state == "ok", telling.lines(explain(now, "teleop"))
-    now = with_said(now, "teleop/state", pad=False, driving=False, reason="no gamepad is heard of", code="unreachable")
+    now = with_said(now, "teleop/state", pad=False, driving=False, reason="no gamepad reports", code="unreachable")
     assert told(gone("gamepad", "device 'gamepad' is missing")(now), "teleop") == ("line", "gamepad", "unreachable")
 
 

@@ -66,7 +66,7 @@ def _watched(states: wire.Subscription, table: str) -> tuple[bool, str]:
             if runs and state.phase in {"ended", "resting"}:
                 return bool(state.good), state.reason
         time.sleep(LOOK_S)
-    raise BusError("the behaviours tell nothing any more; what moved has stopped by itself")
+    raise BusError("the capability 'behaviour' is gone; what moved has stopped by itself")
 
 
 def _stopped_since(robot: Robot) -> str:

@@ -117,6 +117,6 @@ KIND = Kind(
         Word("/behaviour/pause", "pause", "Stand still; /behaviour/resume goes on"),
         Word("/behaviour/step", "step", "Go on up to the next state, and pause there"),
         Word("/behaviour/resume", "resume", "Go on after a pause"),
-        Word("/behaviour/why", "why", "Tell for each row of the state why it is not taken, and by how much"),
+        Word("/behaviour/why", "why", "Explain for each row of the state why it is not taken, and by how much"),
     ),
 )

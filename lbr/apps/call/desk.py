@@ -124,7 +124,7 @@ class Desk:
             self.news.append(News("call_rings", f"{guest.name} calls: {said}", "warning"))
         else:
             if guest.purpose == "talk":
-                self.news.append(News("call_answered", f"{guest.name} calls, and is answered at once, as the row says"))
+                self.news.append(News("call_answered", f"{guest.name} calls, and is answered at once, by its setting"))
             self._connect(guest, now)
         return self._reply(guest)
 

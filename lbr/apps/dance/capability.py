@@ -124,7 +124,7 @@ class Dance(Capability[DanceSettings]):
             self._end(why)
         elif not since_s < self.ctx.settings.max_s:
             longest_s = self.ctx.settings.max_s
-            self._end(Reason("limit", f"{longest_s:g} s are the longest dance; the setting `max_s` says so"))
+            self._end(Reason("limit", f"{longest_s:g} s are the longest dance (setting `max_s`)"))
         elif beat >= 0:
             command = _command(dance.choreography.at(beat))
             dance.moves += command != dance.holder.motion

@@ -38,7 +38,7 @@ def load(music: Path, name: str) -> Song:
     if not sound.is_file():
         raise names.unknown(music, name, "song", ".wav")
     if not beats.is_file():
-        raise InputError(f'{beats} is missing: {{"BEATS": [0.5, 1.0]}} says when the beats are, in seconds')
+        raise InputError(f'{beats} is missing: {{"BEATS": [0.5, 1.0]}} lists the times of the beats, in seconds')
     duration_s = wav.read(sound).duration_s
     times = parse(_read(beats), str(beats))
     if times[-1] > duration_s + AFTER_THE_END_S:

@@ -27,14 +27,14 @@ def main() -> int:
     with program.connected("docksignal") as robot:
         answers = wire.ask(robot.bus, keys.port(robot.name, "dock", "heard"), message, source=robot.source)
     if not answers:
-        raise BusError("no capability listens: 'dock' does not run; 'lbr status' says why")
+        raise BusError("no capability listens: 'dock' does not run; 'lbr status' shows the reason")
     try:
         answer = codec.decode(answers[0].payload)
     except MalformedError as err:
         raise BusError(f"the answer makes no sense: {err}") from err
     if not answer.get("accepted"):
         raise BusError(str(answer.get("reason", "refused")))
-    print("the dock capability was told:", " ".join(name for name in BEAMS if getattr(message, name)))
+    print("the dock capability received:", " ".join(name for name in BEAMS if getattr(message, name)))
     return 0
 
 

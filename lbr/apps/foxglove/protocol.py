@@ -138,7 +138,7 @@ def _binary(data: bytes) -> Message:
         service, call, length = _CALL.unpack_from(data, 1)
         begin = 1 + _CALL.size
         if length > len(data) - begin:
-            raise MalformedError("a service request is shorter than it says")
+            raise MalformedError("a service request is shorter than its header states")
         return ServiceCall(service, call, data[begin : begin + length].decode(), data[begin + length :])
     raise MalformedError(f"there is no binary message {data[0]}")
 

@@ -72,7 +72,7 @@ class Viewer(viewing.Viewer):
     """A connected client. The capability's loop reads `gone`."""
 
     messages_hz, messages_at_once = 150.0, 300.0
-    too_much = "too much is said here"
+    too_much = "too many messages"
     last_messages_s = 0.2  # they may contain a stop
 
     def __init__(self, served: Served, client: Client, name: str, rate_hz: float, *, pictures: bool) -> None:
@@ -211,7 +211,7 @@ class Viewer(viewing.Viewer):
         except MalformedError as err:
             self._hand.release()  # the message may have been a release
             self._served.api.wake()
-            self._queue(protocol.status(protocol.ERROR, f"a message that is none: {err}", "malformed"))
+            self._queue(protocol.status(protocol.ERROR, f"an unreadable message: {err}", "malformed"))
 
     def _handle(self, message: protocol.Message) -> None:
         match message:

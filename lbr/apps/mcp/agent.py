@@ -50,15 +50,15 @@ DO = {
     "bad_value": "keep to the bounds that the tool states",
     "busy": "wait for its end, or call `stop`",
     "confirm": "ask the person who is with the robot: they let you by `/agent/` and your name, at a console or the page",
-    "denied": "ask the person before you try it again; `words` lists what may be said",
+    "denied": "ask the person before you try it again; `words` lists the allowed words",
     "estop": "ask a person to reset it; no tool does",
-    "held": "ask who holds it to let go; `status` says who that is",
+    "held": "ask its holder to let go; `status` names the holder",
     "obstacle": "`status` has what the sensors measure; go another way",
     "role": "ask for a token with a higher role",
-    "stopped": "ask the person who stopped it before you go on; `why` says who that was",
+    "stopped": "ask the person who stopped it before you go on; `why` names that person",
     "taken_over": "a person drives now; wait until you are asked",
-    "unknown_command": "`words` lists what may be said",
-    "unreachable": "`why` says what is gone",
+    "unknown_command": "`words` lists the allowed words",
+    "unreachable": "`why` names the missing part",
 }
 """The cure of a code, for an agent."""
 
@@ -273,7 +273,7 @@ class Agent:
         self._plans[plan_id] = Plan(tool, arguments, time.monotonic() + PLAN_S)
         return Outcome(
             code="done",
-            text=f"nothing moved; `do` with plan {plan_id} says {data['line']}",
+            text=f"nothing moved; `do` with plan {plan_id} sends {data['line']}",
             data=data | {"plan": plan_id},
         )
 
@@ -305,7 +305,7 @@ class Agent:
             }
             for entry in known.allowed
         ]
-        return Outcome(code="done", text=f"{len(words)} words may be said", data=words)
+        return Outcome(code="done", text=f"{len(words)} words are allowed", data=words)
 
     async def _look(self, given: Arguments, _known: Known) -> Outcome:
         picture = await (await self._connected()).picture(given["camera"])

@@ -144,7 +144,7 @@ TOOLS: tuple[Tool, ...] = (
     ),
     Tool(
         name="words",
-        title="What can be said",
+        title="The robot's words",
         help="The console words that this robot allows to agents, for the tool `say`.",
         reads=True,
     ),
@@ -174,7 +174,7 @@ TOOLS: tuple[Tool, ...] = (
     Tool(
         name="go",
         title="Go a distance",
-        help="Drive straight by a distance; returns when it is done, or says what was in the way.",
+        help="Drive straight by a distance; returns when it is done, or names what was in the way.",
         moves=True,
         patterns=("/go/{distance_cm}/{power}", "/back/{distance_cm}/{power}"),
     ),

@@ -46,7 +46,7 @@ MOST_ASKED = 4
 """The most words in a round, and the most without an answer; nobody means more at once."""
 PORTS = {StopCommand: "stop_all", RunBehaviour: "run", SayCommand: "say"}
 STANDS_STILL = "the broker sends nothing back, so the person who asked could not stop this"
-NO_BROKER = "no broker is named: the setting 'host' of this row says where one is, and docs/outside.md how to have one"
+NO_BROKER = "no broker is named: write its address into 'host' of this row; docs/outside.md explains how to get one"
 
 
 class Waiting(NamedTuple):

@@ -96,7 +96,7 @@ _STREAMS: dict[str, type[Struct]] = {name: get_args(kind)[0] for name, kind in S
 
 KIND = Kind(
     name="mqtt",
-    summary="tells a broker of MQTT how the robot is, and does what its row lets be asked there",
+    summary="reports the robot to an MQTT broker, and does what its row allows there",
     family="app",
     rights=Rights(
         lets_in=(

@@ -147,7 +147,7 @@ def _faults(seen: Streams, wired: Collection[str]) -> list[str] | None:
     if not any(name in wired for name in SOURCES):
         return None
     faults = [
-        f"{name}: it says nothing" for name, message in seen._asdict().items() if name in wired and message is None
+        f"{name}: it reports nothing" for name, message in seen._asdict().items() if name in wired and message is None
     ]
     drive, joints, motors = seen.drive, seen.joints, seen.motors
     battery, odometry, attitude = seen.battery, seen.odometry, seen.attitude

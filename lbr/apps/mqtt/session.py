@@ -251,7 +251,7 @@ class Session:
     ) -> None:
         refused = [topic for topic, code in zip(self._broker.topics, codes, strict=False) if code.is_failure]
         if refused:
-            raise PermissionError(f"it lets us not hear {', '.join(refused)}")
+            raise PermissionError(f"it refuses the subscription of {', '.join(refused)}")
         self._begin()
 
     def _begin(self) -> None:

@@ -19,7 +19,7 @@ COMPONENT = Component(
             group="look",
         ),
         "record": CliCommand(
-            entry="lbr.apps.recorder.commands.record:command", help="Record all that is said, on purpose.", group="look"
+            entry="lbr.apps.recorder.commands.record:command", help="Record all messages, on purpose.", group="look"
         ),
         "replay": CliCommand(
             entry="lbr.apps.recorder.commands.replay:command",

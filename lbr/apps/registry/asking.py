@@ -49,7 +49,7 @@ def ask(
     finally:
         connection.close()
     if answer.status != http.client.OK:
-        raise NotTakenError(f"the registry at {url} says no ({answer.status}): {_reason(content)}")
+        raise NotTakenError(f"the registry at {url} refuses ({answer.status}): {_reason(content)}")
     return content
 
 

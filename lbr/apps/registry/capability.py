@@ -29,7 +29,7 @@ PUBLISH_S = 1.0
 GOODBYE_S = 0.3
 MOST_URLS = 8
 NO_SERVICE = (
-    "no registry is named: the setting 'url' of this row says where one is, and `lbr registry serve` starts one"
+    "no registry is named: write its address into the setting 'url' of this row; `lbr registry serve` starts one"
 )
 
 

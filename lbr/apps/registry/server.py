@@ -64,7 +64,7 @@ class Service:
         except ClientDisconnect:
             return _answer(400, "malformed", "the request has no end")
         if len(body) > LARGEST_BYTES:
-            return _answer(413, "malformed", f"a robot tells {LARGEST_BYTES} bytes at most, not {len(body)}")
+            return _answer(413, "malformed", f"a robot reports {LARGEST_BYTES} bytes at most, not {len(body)}")
         try:
             entry = msgspec.json.decode(body, type=Entry)
         except UNREADABLE as err:

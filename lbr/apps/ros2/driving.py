@@ -131,7 +131,7 @@ class Driving:
         if isinstance(driver.motion, Way):
             return JointsCommand(frames=driver.motion.frames, ttl_s=ttl_s)
         if not now - driver.heard_s <= self._limits.silent_s:  # this way round, NaN is silence
-            self.end(Reason("holder_gone", f"it said nothing for {self._limits.silent_s:g} s"))
+            self.end(Reason("holder_gone", f"it sent nothing for {self._limits.silent_s:g} s"))
             return None
         return self._limited(driver.motion, ttl_s)
 

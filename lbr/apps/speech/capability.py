@@ -154,7 +154,7 @@ class Speech(Capability[SpeechSettings]):
 
     def _hush(self, command: HushCommand) -> str:
         if not command.song:
-            return self._silence() or "nothing was being said"
+            return self._silence() or "nothing was being spoken"
         if self._current is None or self._current.song != command.song:
             return f"'{command.song[:80]}' was not being played"
         self._stop_current()

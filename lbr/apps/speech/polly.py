@@ -51,7 +51,7 @@ class Polly:
             wav.write(Path(request.path), samples.tobytes(), RATE_HZ, width=2)
         except (OSError, ValueError) as err:
             file.unlink(missing_ok=True)
-            raise LbrError(f"what the cloud said before cannot be read ({err})") from err
+            raise LbrError(f"an earlier answer of the cloud cannot be read ({err})") from err
 
     def _fetch(self, request: Request, file: Path) -> None:
         if len(request.text) > MOST_CHARACTERS:

@@ -18,11 +18,11 @@ _SPOKEN_SIGNS = frozenset("%&@#*")
 def sayable(text: str) -> str:
     """Return a text without control characters and pictures; raise InputError if nothing is left to speak."""
     if len(text) > MOST_CHARACTERS:
-        raise InputError(f"the text has {len(text)} characters; {MOST_CHARACTERS} can be said at once")
+        raise InputError(f"the text has {len(text)} characters; at most {MOST_CHARACTERS} can be spoken at once")
     spoken = " ".join("".join(map(_spoken, text)).split())
     if any(char.isalnum() or char in _SPOKEN_SIGNS or unicodedata.category(char)[0] == "S" for char in spoken):
         return spoken
-    raise InputError("there is nothing in it that can be said" if text.strip() else "there is nothing to say")
+    raise InputError("it has nothing that can be spoken" if text.strip() else "there is nothing to speak")
 
 
 def phrase(phrases: Iterable[Phrase], name: str, language: str) -> Phrase:

@@ -117,7 +117,7 @@ class Worker:
         try:
             return msgspec.json.decode(line, type=Answer)
         except UNREADABLE:
-            return Answer(reason="the speech engine said something that cannot be understood")
+            return Answer(reason="the speech engine sent an unreadable answer")
 
     def _take(self, answer: Answer) -> Answer | None:
         if self._asked:

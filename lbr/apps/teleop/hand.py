@@ -16,7 +16,7 @@ CURVE = 1.6
 """The exponent from a stick's way to its speed, for fine control near the centre."""
 AT_REST_S = 2.0
 """The age of a report that counts at rest. A driver reports at 2 Hz, and at 20 Hz while anything is held."""
-NO_PAD = "no gamepad is heard of; see /report/health"
+NO_PAD = "no gamepad reports; see /report/health"
 AT_REST = Reason("idle", "the sticks are at rest")
 
 
@@ -118,7 +118,7 @@ class Hand:
         silent_s = inf if pad.silent_s is None else pad.silent_s + now - self._heard_at
         if silent_s <= settings.silent_s:
             return None
-        return Reason("stale_sensor", f"the gamepad said nothing for {settings.silent_s:g} s: it may be out of range")
+        return Reason("stale_sensor", f"the gamepad sent nothing for {settings.silent_s:g} s: it may be out of range")
 
 
 def wanted(axes: dict[Axis, float], settings: TeleopSettings) -> Twist:

@@ -52,7 +52,7 @@ _MOTION = motion_requests(
 
 KIND = Kind(
     name="gamepad_teleop",
-    summary="drives as a gamepad says, while its dead-man button is held; its buttons say lines",
+    summary="drives by a gamepad while its dead-man button is held; its buttons send console lines",
     family="app",
     entry="lbr.apps.teleop.capability:Teleop",
     settings=TeleopSettings,

@@ -173,7 +173,7 @@ def refuse_without(client: Client, role: Role | None) -> None:
 def refuse_unknown(client: Client) -> None:
     """Raise Refused unless a client is known."""
     if not client.known:
-        text = "this is for who is known: show the token, 'Authorization: Bearer TOKEN', or sign in at /index.html"
+        text = "this needs a token: send it as, 'Authorization: Bearer TOKEN', or sign in at /index.html"
         raise Refused(401, text, {"WWW-Authenticate": 'Bearer realm="lbr"'})
 
 

@@ -36,7 +36,7 @@ class Shown:
         return otherwise
 
     def _break(self, err: Exception) -> None:
-        self.broken = f"{self._label}: it broke, and is shown no more: {told(err)}"
+        self.broken = f"{self._label}: it failed, and is shown no more: {told(err)}"
 
     def _guarded(self, handle: Callable[..., T]) -> Callable[..., T]:
         @wraps(handle)

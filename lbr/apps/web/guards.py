@@ -85,7 +85,7 @@ class Answering:
             sys.stderr.flush()
             asked = f"{scope.get('method', 'WebSocket')} {scope['path'][:80]}"
             self._counts.tell("web_fault", f"{asked}: {told(fault)}", "error")
-            broken = json({"message": "this answer is broken; the robot's log says how", "code": "failed"}, 500)
+            broken = json({"message": "this answer is broken; the robot's log has the reason", "code": "failed"}, 500)
             await _answer(broken, scope, receive, sealed, begun=begun)
 
     def _seal(self, scope: Scope, message: Message) -> None:

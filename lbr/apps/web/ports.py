@@ -85,7 +85,7 @@ def _contradictions(ports: FacePorts, more: FacePorts) -> Iterator[str]:
 def _missing(ports: FacePorts, more: FacePorts) -> Iterator[str]:
     """Yield the names in ports that do not exist."""
     if taken := [name for name in more.states if name in OF_STATE]:
-        yield f"states: '{taken[0]}' is what `/state` says itself; choose another name"
+        yield f"states: '{taken[0]}' is a field of `/state` itself; choose another name"
     if lost := [name for name in more.states if name not in more.inputs and name not in ports.inputs]:
         yield f"states: there is no input '{lost[0]}'"
     if lost := [name for name in more.replies if name not in more.requests and name not in ports.requests]:

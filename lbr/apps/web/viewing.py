@@ -35,7 +35,7 @@ class Viewer:
     """
 
     messages_hz, messages_at_once = 20.0, 20.0
-    too_much = "nothing is to be said here"
+    too_much = "messages are not read here"
     last_messages_s = 0.0
 
     def __init__(self, period_s: float) -> None:

@@ -124,7 +124,7 @@ def _sentence(err: OSError, trouble: str, path: str) -> str:
         case errno.EACCES | errno.EPERM:
             return access.refused(path, "video")
         case errno.EBUSY:
-            return "is busy; stop the other program that uses it (fuser -v says which)"
+            return "is busy; stop the other program that uses it (fuser -v names it)"
         case _:
             cause = os.strerror(err.errno) if err.errno else str(err)
             return f"{trouble} ({cause}); check its cable"

@@ -36,7 +36,7 @@ class Ld06(Capability[Ld06Settings]):
             what = (
                 "has no row of range_sensor" if sensor is None else "needs more than one ray in the row of range_sensor"
             )
-            raise DeviceError(f"'{self.ctx.name}' {what} '{settings.sensor}', which says where the lidar is; add it")
+            raise DeviceError(f"'{self.ctx.name}' {what} '{settings.sensor}', which has the place of the lidar; add it")
         self._line = open_line(self.ctx.device, BAUD)
         self._line.drop_input()
         self._begin()

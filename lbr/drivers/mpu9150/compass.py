@@ -32,7 +32,7 @@ class Compass:
         identity = self._bus.read_byte_data(registers.COMPASS_ADDRESS, registers.COMPASS_ID)
         if identity != registers.COMPASS_OWN_ID:
             own = registers.COMPASS_OWN_ID
-            complaint = f"device '{name}': what answers for its compass says {identity:#04x}, not {own:#04x}"
+            complaint = f"device '{name}': its compass has the identity {identity:#04x}, not {own:#04x}"
             raise DeviceError(f"{complaint}; it is not an MPU-9150, or set mag_hz to 0 to go without")
         fuses = self._fuses()
         unit = registers.sensitivity(fuses)

@@ -180,7 +180,7 @@ class Controller:
                     self._sentence(f"says {field} '{identity}', expected /{pattern}/; correct the address or `{field}`")
                 )
         if wire.is_inertial_unit(f"{self.firmware} {self.model}"):
-            what = f"says firmware '{self.firmware}': it is an inertial unit (kind riox); correct the address"
+            what = f"has firmware '{self.firmware}': it is an inertial unit (kind riox); correct the address"
             raise DeviceError(self._sentence(what))
         self._known = True
 

@@ -175,7 +175,7 @@ class ServoSession(Session[S, B]):
         self.link.judge()
         if self.bus.echo and not self._echo:
             self._echo = True
-            self._tell("echo", "the adapter hears what it says itself; that is taken out", "info")
+            self._tell("echo", "the adapter echoes what it sends; the echo is removed", "info")
         super().judge()
 
     def part(self, *, release: bool) -> None:

@@ -91,7 +91,7 @@ def receive(state: Arming, setpoint: Setpoint, now: float, valid_s: float) -> Ar
         return _disarm(state.revoked(setpoint.lease), why, now, fault=True)
     arms = setpoint.neutral and not state.inhibited and setpoint.born > state.since
     if verdict == "passes" and not setpoint.neutral and _begun_unseen(state, setpoint, now, valid_s):
-        return _disarm(state.revoked(setpoint.lease), "the beginning of this motion was not heard", now, fault=True)
+        return _disarm(state.revoked(setpoint.lease), "the beginning of this motion was missed", now, fault=True)
     if verdict == "passes" and (state.armed or arms):
         return replace(state, setpoint=setpoint, reason="")
     return state

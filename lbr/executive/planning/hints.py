@@ -37,8 +37,8 @@ def _of_plan(plan: Plan, home: Path) -> Iterator[str]:
             port for port, message in kind.inputs.items() if message in {Ranges, Scan} and f"{row.name}.{port}" in fed
         ]
         if distances and RangeSensor in {read.row for read in kind.reads} and not plan.rows.of(RangeSensor):
-            do = "add a row for each, with where it sits and what it sees"
-            yield f"'{row.name}.{distances[0]}' is fed, and no row of range_sensor says which sensors those are: {do}"
+            do = "add a row for each, with its place and reach"
+            yield f"'{row.name}.{distances[0]}' is fed, and range_sensor has no row of its sensors: {do}"
         for doubt in _doubts(kind, row.settings):
             yield f"capability '{row.name}', settings: {doubt}"
         if kind.moves and STOP not in kind.commands and not kind.setpoints:

@@ -86,7 +86,7 @@ def load(name: str) -> Profile:
             return Profile(robot=installed.name, description=installed.robot.summary)
     raise InputError(
         f"there is no launch profile '{name}'; {did_you_mean(name, names())}; "
-        'a robot that only your rows have wants a .toml file that says robot = "NAME": give its path'
+        'for a robot of your own rows write a .toml file with robot = "NAME", and give its path'
         f"{plugins.perhaps_broken()}",
         "unknown_name",
     )

@@ -30,7 +30,7 @@ def problems(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, 
         label = f"{rows.robot.name}/{name}"
         if lines and not any((name, port) in wired for port in ports):
             port = min(ports, default="say")
-            text = f"{kind.says}: a channel row from {name}.{port} to {LINE} is needed to say them"
+            text = f"{kind.says}: a channel row from {name}.{port} to {LINE} is needed to send them"
             yield Problem("capability", label, "settings", text)
         for of, line in lines.items():
             if fault := _fault(words, line):
@@ -44,8 +44,8 @@ def _fault(words: Vocabulary, line: str) -> str:
     except InputError as err:
         return str(err)
     if parsed is None or isinstance(parsed, PythonLine):
-        return "nothing is said by it, or Python, which runs at the terminal that started the robot"
+        return "it has no line, or it has Python, which runs only at the terminal that started the robot"
     needed = parsed.verb.role if isinstance(parsed, VerbCall) else parsed.command.role
     if RANKS[needed] > RANKS["operate"]:
-        return f"'{line}' needs the role {needed}, and a capability says lines by the role operate"
+        return f"'{line}' needs the role {needed}, and lines of a capability have the role operate"
     return ""

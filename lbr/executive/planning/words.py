@@ -13,8 +13,8 @@ from lbr.executive.planning.wiring import EXECUTIVE, EXECUTIVE_VERBS
 
 OF_EVERY_ROBOT = (
     Word("/report/{name}", "report", "Show telemetry, settings, statistics, health, events, wiring or robot"),
-    Word("why", "why", "Tell what holds the robot still, and what to type"),
-    Word("/why/{part}", "why", "Tell what holds a part still, such as `why drive`: a capability, joint or device"),
+    Word("why", "why", "Explain what holds the robot still, and what to type"),
+    Word("/why/{part}", "why", "Explain what holds a part still, such as `why drive`: a capability, joint or device"),
     Word("/restart/{name}", "restart", "Stop a capability and start it again, by its name", role="admin"),
 )
 """The words of lbr itself that a robot may replace, unlike those of `lbr.database.builtin`."""

@@ -67,7 +67,7 @@ def decide(policy: str, end: End, deaths: tuple[float, ...], now: float, jitter:
 def ended_by(code: int, *, program: bool) -> str:
     """Return the meaning of an exit code, below 0 a signal; `program`: it may end by itself."""
     if code == 0 and not program:
-        return "told to end, but not by the robot"
+        return "ended by a signal that the robot did not send"
     if program and code in NOT_STARTED:
         return NOT_STARTED[code]
     if code == UNSEEN:

@@ -127,7 +127,7 @@ class ConsoleService(Service):
             self._stops.put(request, line, role)
         elif not self._room.acquire(blocking=False):
             request.reply(
-                ConsoleResult(code=1, text="too many lines at once; say it again", reason_code="busy"), "executive"
+                ConsoleResult(code=1, text="too many lines at once; try again", reason_code="busy"), "executive"
             )
         else:
             try:

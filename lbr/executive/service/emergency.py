@@ -207,7 +207,7 @@ class Emergency(Service):
         with self._changed:
             if now >= min(self._alone.values(), default=inf) + ALONE_S:
                 name = next(iter(self._alone))
-                self._latch("it heard a stop that was not heard here", name, now)
+                self._latch("it received a stop that did not arrive here", name, now)
             self._announce()
         while self._news:
             self._journal.happened(*self._news.popleft())

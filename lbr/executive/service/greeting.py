@@ -27,4 +27,4 @@ def _parts(title: str, reasons: Mapping[str, str]) -> Iterator[tuple[str, str]]:
         yield title, f"{name}: {reason}"
         title = ""
     if more := list(reasons)[MOST_PARTS:]:
-        yield "", f"and {', '.join(more)}: status has the reasons, why says what to type"
+        yield "", f"and {', '.join(more)}: status has the reasons, why shows what to type"

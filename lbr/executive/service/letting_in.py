@@ -54,7 +54,7 @@ class LettingIn:
         if not self._opened(name, requester):
             return self.pair(OPERATE, requester)
         if self._settled(name, is_open=True) is None:
-            text = f"'{name}' starts again, to be open to your network; say 'phone' again in a moment"
+            text = f"'{name}' starts again, to be open to your network; type 'phone' again in a moment"
             return ConsoleResult(code=1, text=text, reason_code="unreachable")
         result = self.pair(OPERATE, requester)
         return replace(result, text=f"'{name}' is open to your network now; 'close' takes it back.\n{result.text}")
@@ -66,7 +66,7 @@ class LettingIn:
         name = self._server().name
         place = self._serving(name)
         if place is None:
-            text = f"'{name}' does not serve now, so that no phone could show a code; 'status' says why"
+            text = f"'{name}' does not serve now, so that no phone could show a code; 'status' shows the reason"
             return ConsoleResult(code=1, text=text, reason_code="unreachable")
         code = self._robot.pair(role, requester)  # type: ignore[arg-type]
         url, is_open, tls = str(place.get("url", "")), bool(place.get("open")), bool(place.get("tls"))

@@ -133,5 +133,5 @@ class StatusService(Service):
                 "degraded": outcome.degraded,
             }
             if why := say(json.dumps(line)):
-                text = f"the line that says so cannot be printed: standard output cannot be written ({why})"
+                text = f"the ready line cannot be printed: standard output cannot be written ({why})"
                 self._journal.happened("trouble", EXECUTIVE, text, "warning")

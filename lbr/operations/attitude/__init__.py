@@ -25,7 +25,7 @@ KIND = Kind(
         Word(
             "/a/{angle_deg}",
             "observe",
-            "Tell when the robot has turned by an angle from now on, -360 to 360 degrees, clockwise positive; moves nothing",
+            "Report when the robot has turned by an angle from now on, -360 to 360 degrees, clockwise positive; moves nothing",
         ),
         Word("/m/{samples}", "calibrate", "Calibrate the compass while turning on the spot, such as /m/300; s ends it"),
         Word(

@@ -182,7 +182,7 @@ class Calibration:
         elif collection.complete:
             self._finish(collection)
         elif collection.is_silent(now, settings.sample_s):
-            self.stop("the compass measures nothing; 'lbr status' tells what the inertial unit misses", "stale_sensor")
+            self.stop("the compass measures nothing; 'lbr status' shows what the inertial unit lacks", "stale_sensor")
         elif now - collection.since_s > settings.calibration_limit_s:
             self.stop(
                 f"{collected} of {wanted} samples within {settings.calibration_limit_s:g} s; ask for fewer", "timeout"

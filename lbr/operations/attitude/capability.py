@@ -112,7 +112,7 @@ class Attitude(Capability[AttitudeSettings]):
         if trouble:
             call.refuse(trouble)
         else:
-            call.reply(CommandReply(accepted=True, reason=f"a turn of {call.message.angle_deg:g} degrees will be told"))
+            call.reply(CommandReply(accepted=True, reason=f"a turn of {call.message.angle_deg:g} degrees is awaited"))
 
     def _tell_health(self, state: AttitudeState, now: float) -> None:
         if state.valid:

@@ -60,7 +60,7 @@ class Gravity:
         accel = times(self._mount, sample.accel_mps2)
         strength = norm(accel)
         if not (isfinite(strength) and s.accel_min_mps2 <= strength <= s.accel_max_mps2):
-            self._missed = f"the accelerometer says {strength:.1f} m/s², which is no body at rest"
+            self._missed = f"the accelerometer reads {strength:.1f} m/s², which is not a body at rest"
             return
         gap_s = None if last_s is None else sample.time_s - last_s
         afresh = gap_s is None or not 0.0 < gap_s <= s.stale_s

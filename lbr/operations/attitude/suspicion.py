@@ -39,7 +39,7 @@ class Suspicion:
         if not (isfinite(fastest_dps) and isfinite(gyro[0] + gyro[1] + gyro[2]) and isfinite(strength)):
             return "the inertial unit measures a value that is not a number"
         if fastest_dps > s.gyro_limit_dps:
-            return f"the gyro says {fastest_dps:.0f} degrees per second, more than {s.gyro_limit_dps:g}"
+            return f"the gyro reads {fastest_dps:.0f} degrees per second, more than {s.gyro_limit_dps:g}"
         if last is None or gyro != last.gyro_rps or accel != last.accel_mps2:
             self._same_since_s = sample.time_s
         elif sample.time_s - self._same_since_s >= s.frozen_s:
@@ -47,7 +47,7 @@ class Suspicion:
         dt = s.gap_s if last is None else sample.time_s - last.time_s
         self._accel_mps2 += (strength - self._accel_mps2) * max(0.0, min(1.0, dt / _SMOOTH_S))
         if not s.accel_min_mps2 <= self._accel_mps2 <= s.accel_max_mps2:
-            return f"the accelerometer says {self._accel_mps2:.1f} m/s2, and at rest it is {G_MPS2:.1f}"
+            return f"the accelerometer reads {self._accel_mps2:.1f} m/s2, and at rest it is {G_MPS2:.1f}"
         return "" if sample.mag_ut is None else impossible(sample.mag_ut)
 
     def _jumps(self, last: ImuSample | None, gyro: Vector, gap_s: float) -> bool:

@@ -59,7 +59,7 @@ class Gauge:
         charging = self._charger.charging
         return BatteryState(
             valid=True,
-            reason="on a charger the voltage does not tell the charge" if charging else "",
+            reason="on a charger the voltage does not show the charge" if charging else "",
             voltage_v=round(terminal_v, 2),
             rest_voltage_v=round(rest_v, 2),
             current_a=None if self._current_a is None else round(self._current_a, 2),

@@ -42,7 +42,7 @@ def _form(state: State, command: Motion) -> Reason | None:
         if not (isfinite(value) and low <= value <= high):
             return Reason("bad_value", f"{name} {value:g} is outside {low:g} to {high:g}")
     if isinstance(command, DriveCommand) and command.sensor not in state.sensors.singles and _uses_sensor(command):
-        known = ", ".join(state.sensors.singles) or "none: no row of range_sensor tells one distance"
+        known = ", ".join(state.sensors.singles) or "none: range_sensor has no row of a single distance"
         return Reason("unknown_name", f"sensor '{command.sensor}' is not one of {known}")
     return None
 

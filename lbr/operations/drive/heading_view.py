@@ -23,12 +23,12 @@ class HeadingView(Struct, frozen=True, kw_only=True):
     `seen` is the time of its measurement, `rate_dps` the rate of turn between the last two.
     """
 
-    trouble: str = "no attitude was heard yet"
+    trouble: str = "no attitude has arrived yet"
     epoch: str = ""
     turned_deg: float = nan
     rate_dps: float = 0.0
     heading_deg: float = nan
-    heading_reason: str = "it was not heard yet"
+    heading_reason: str = "it has not arrived yet"
     seen: float = nan
     rests: bool = False
 

@@ -224,7 +224,7 @@ def _lose_time(state: State, now: float) -> Decision:
     forgotten = replace(
         state,
         motors=None,
-        motors_gone=f"{ending.BACK}; the motor driver was not heard since",
+        motors_gone=f"{ending.BACK}; the motor driver has not reported since",
         motors_lost=now,
         views={},
         scans={},

@@ -17,7 +17,7 @@ JUMP_SHARE = 2.0
 class OdometryView(Struct, frozen=True, kw_only=True):
     """The newest odometry; `trouble` explains why no distance can be driven by it. Backwards is negative."""
 
-    trouble: str = "no odometry was heard yet"
+    trouble: str = "no odometry has arrived yet"
     epoch: str = ""
     distance_m: float = nan
     speed_mps: float = 0.0

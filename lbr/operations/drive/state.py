@@ -152,7 +152,7 @@ class State(Struct, frozen=True, kw_only=True):
     begun: float = nan
     motors: MotorsState | None = None
     motors_at: float = nan
-    motors_gone: str = "the motor driver was not heard yet"
+    motors_gone: str = "the motor driver has not reported yet"
     motors_lost: float = -inf
     views: Mapping[str, View] = {}
     scans: Mapping[str, Scan] = {}

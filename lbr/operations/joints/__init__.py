@@ -36,7 +36,7 @@ KIND = Kind(
         Word(
             "/j/{joint}/{angle_deg}/{speed_dps}",
             "move",
-            "The same at this many degrees a second, such as /j/left_knee/60/90; never faster than its row says",
+            "The same at this many degrees a second, such as /j/left_knee/60/90; never faster than its row allows",
         ),
         Word("/torque/on", "torque", "Switch the torque of all joints on: each stays where it is", {"on": True}),
         Word(
@@ -51,7 +51,7 @@ KIND = Kind(
             "Release a joint, or several, such as /torque/off/left_elbow, so that a hand can move it",
             {"on": False},
         ),
-        Word("/torque/off", "torque", "Release all joints, once you have said that you mean it", {"on": False}),
+        Word("/torque/off", "torque", "Release all joints, after a confirmation", {"on": False}),
         Word(
             "/torque/off/all",
             "torque",

@@ -39,7 +39,7 @@ REST_HZ = 10.0
 MOVING_PERIOD_S = 0.045
 """The greatest period of the state while joints move, even if their servos are read less often."""
 RECOVER_S = 2.0
-NOT_HELD = "the servo driver has not said yet that it holds"
+NOT_HELD = "the servo driver has not confirmed yet that it holds"
 
 
 class Joints(LeasingCapability[JointsSettings, State]):

@@ -123,7 +123,7 @@ def _not_followed(state: State, move: Move, now: float) -> Reason | None:
         return None
     if not (move.followed or now - max(move.ordered_at, state.waited) > FOLLOWING_S):
         return None
-    why = servos.reason or f"their driver says {servos.phase}"
+    why = servos.reason or f"their driver reports {servos.phase}"
     return Reason("not_followed", f"the servos do not follow: {why}")
 
 

@@ -127,7 +127,7 @@ class State(Struct, frozen=True, kw_only=True):
     unread: frozenset[str] = frozenset()
     resting: frozenset[str] = frozenset()
     servos_lost: float = -inf
-    servos_gone: str = "the servo driver was not heard yet"
+    servos_gone: str = "the servo driver has not reported yet"
 
     @property
     def move(self) -> Move | None:
@@ -135,7 +135,7 @@ class State(Struct, frozen=True, kw_only=True):
         return self.leases.live.motion if self.leases.live is not None else None
 
 
-NOT_ADOPTED = Reason("not_ready", "servos are still being looked for; say it again")
+NOT_ADOPTED = Reason("not_ready", "the search for servos goes on; try again")
 PHRASING = Phrasing(
     noun="the joints",
     rest="stop, or pause, before moving again",

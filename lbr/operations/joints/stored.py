@@ -56,7 +56,7 @@ def ending(state: State, order: Stored, now: float) -> tuple[Ending, Reason] | N
     report, slot = _report_of(state, order), order.motion.slot
     if report is None:
         servos = state.servos
-        reason = servos.reason or f"their driver says {servos.phase}" if servos is not None else state.servos_gone
+        reason = servos.reason or f"their driver reports {servos.phase}" if servos is not None else state.servos_gone
         why = Reason("not_followed", f"the controller does not play slot {slot}: {reason}")
         return ("fault", why) if now - order.ordered_at > TAKEN_S else None
     if report.phase == "failed":
@@ -68,7 +68,7 @@ def ending(state: State, order: Stored, now: float) -> tuple[Ending, Reason] | N
     if isnan(order.playing):
         why = Reason("timeout", f"the controller did not begin to play slot {slot}: {report.reason or 'it waits'}")
         return "fault", why
-    text = f"slot {slot} was played, as far as its time tells: its end was not told"
+    text = f"slot {slot} was played for its time; its end was not reported"
     return "reached", Reason("done", text, cause="time_over")
 
 

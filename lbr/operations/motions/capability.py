@@ -180,7 +180,7 @@ class Motions(LeasingCapability[MotionsSettings, State]):
             raise InputError(f"'{self._state.lease.motion.programme.motion.name}' is being played; stop it first")
         newest = self.ctx.latest("joints")
         if newest is None or not newest.age_s(self.ctx.clock()) <= OLDEST_S:
-            raise InputError("joints operation has not told for a while where the joints are; see /report/joints")
+            raise InputError("the joints have not been reported for a while; see /report/joints")
         state: JointsState = newest.message
         motion = next((motion for motion in self._motions() if motion.name == command.motion), None)
         if motion is not None and (motion.builtin or motion.slot is not None):

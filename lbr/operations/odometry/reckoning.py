@@ -16,7 +16,7 @@ JUMP_M = 0.1
 JUMP_SHARE = 2.0
 LOOK_S = 0.2
 """The age limit of an attitude for a turn; one at rest counts from the last rest of the wheels."""
-NO_COUNTS = "the motor controller tells no encoder counts; look at its encoders' settings"
+NO_COUNTS = "the motor controller reports no encoder counts; check its encoders' settings"
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ class Reckoning:
         self._per_count_m = tuple(pi * one / settings.counts_per_turn for one in diameters_m)
         self._look: tuple[str, float, float] | None = None
         self._look_rests = False
-        self._trouble = "the motor driver was not heard yet"
+        self._trouble = "the motor driver has not reported yet"
         self._run = self._fresh()
         self._rests = False
         self._rested_s = -inf

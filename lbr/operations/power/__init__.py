@@ -91,7 +91,7 @@ KIND = Kind(
             "As arm, with a warning below the first and a shutdown below the second, in volts",
             {"armed": True},
         ),
-        Word("disarm", "arm", "Only tell the voltage, and shut nothing down", {"armed": False}),
+        Word("disarm", "arm", "Only report the voltage, and shut nothing down", {"armed": False}),
         Word("cancel", "cancel", "Cancel the countdown to the shutdown, until the voltage is low again"),
     ),
 )

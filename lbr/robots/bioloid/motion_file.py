@@ -88,7 +88,7 @@ def write(motion: Motion, rows: RobotRows) -> tuple[bytes, list[Note]]:
             at[joints[name].device_id] = _count(joints[name], angle)
     later = sorted(used - set(motion.frames[0].positions)) if motion.frames else []
     if later:
-        text = f"a page names all servos in every step: {', '.join(later)} begin where they are told first"
+        text = f"a page names all servos in every step: {', '.join(later)} begin at their first position"
         notes.append(Note("changed", "motion", motion.name, "positions", text))
     steps = []
     for frame in split(motion.frames, LONGEST_STEP_S):
@@ -186,7 +186,7 @@ def _motion(name: str, chain: list[int], file: MtnFile, joints: dict[int, Joint]
         notes += _unplayed(row, page, chain, follows)
     if beyond:
         lines = ", ".join(map(str, sorted(set(beyond))[:5]))
-        text = f"line {lines}: positions above {MOST} are none of such a servo; its joint stays there"
+        text = f"line {lines}: positions above {MOST} do not exist on such a servo; its joint stays there"
         notes.append(no_place(TABLE, str(chain[0]), "step", text))
     return Motion(name=name, frames=tuple(sparse(split(frames, LONGEST_S))), help=pages[0][1].name[:200]), notes
 

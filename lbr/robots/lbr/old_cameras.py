@@ -68,7 +68,7 @@ def _camera(name: str, camera: Mapping[str, Any], target: Here) -> Iterator[Want
         return
     device, capability = mounted
     yield Want("device", {"name": device}, {"address": camera["device"]}, f"cameras '{row}', device")
-    yield no_place("cameras", row, "status", "which one is on is said while the robot runs: /camera/NAME")
+    yield no_place("cameras", row, "status", "the camera is chosen while the robot runs: /camera/NAME")
     controls = camera.get("settings") or {}
     if not isinstance(controls, dict):
         yield no_place("cameras", row, "settings", "it is no table of controls")

@@ -15,10 +15,10 @@ from lbr.robot.old_data import Choice, ForeignTables, Here, Note, OldData, Sourc
 _SAME = {"robot_process", "channel", "extcmd", "calibration", "move_config"}
 """Most of these tables are present; other programs have tables `robot`, too."""
 _WITHOUT = {
-    "robot_process": "which processes run is said by the rows of capability",
-    "channel": "what feeds what is said by the rows of channel, which name capabilities and ports",
-    "message": "the original never said them; what the robot says is in phrase",
-    "ai_notes": "they were for a language model; there is none here",
+    "robot_process": "the rows of capability list the processes",
+    "channel": "the rows of channel wire capabilities and ports",
+    "message": "the original never spoke them; the robot's phrases are in phrase",
+    "ai_notes": "they were for a language model, which lbr lacks",
 }
 _HARD, _SOFT = ("MAG_ALPHA", "MAG_BETA"), ("MAG_COR0", "MAG_COR1", "MAG_COR2", "MAG_COR3")
 _NAMES = dict(
@@ -158,7 +158,7 @@ def _wheels(row: Mapping[str, Any], target: Here) -> Iterator[Want | Note]:
         value = row.get(column)
         if not isinstance(value, int | float) or not 0 < value <= most:
             text = (
-                f"'{short(value)}' is none: the original had no such sensor"
+                f"'{short(value)}' is unknown: the original had no such sensor"
                 if value == 0
                 else f"'{short(value)}' cannot be"
             )

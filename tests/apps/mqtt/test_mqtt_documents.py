@@ -239,7 +239,7 @@ def test_what_is_old_or_unknown_is_told_as_null():
         "docked": True,
     }
     later = report.report(("battery", "docked", "faults"), heard.get, ("battery",), 104.0)
-    assert later == {"battery": None, "docked": None, "faults": ["battery: it says nothing"]}
+    assert later == {"battery": None, "docked": None, "faults": ["battery: it reports nothing"]}
 
 
 def test_home_assistant_gets_a_sensor_for_each_part_and_a_button_or_field_for_each_word():

@@ -79,7 +79,7 @@ def test_hush_ends_what_is_said_and_what_waits_and_leaves_nothing(bench):
     assert found.state.queued == 0
     found.until(lambda: found.speech._writer.ready)
     assert scratch(found) == []
-    assert found.ask(HushCommand()).reason == "nothing was being said"
+    assert found.ask(HushCommand()).reason == "nothing was being spoken"
 
 
 def test_what_is_still_being_saved_is_said_when_it_is_asked_for(bench):

@@ -101,7 +101,7 @@ def test_a_robot_without_an_engine_says_so_and_tries_again_later(started, wordin
     [
         ("die", "died (signal 9)"),
         ("hang", "did not come to an end"),
-        ("babble", "cannot be understood"),
+        ("babble", "an unreadable answer"),
         ("refuse", "voice"),
     ],
 )

@@ -41,7 +41,7 @@ def test_what_leaves_nothing_to_say_is_refused(text):
 
 def test_a_text_that_is_too_long_is_refused_with_both_numbers():
     assert len(sayable("a" * MOST_CHARACTERS)) == MOST_CHARACTERS
-    with pytest.raises(InputError, match=r"5001 characters; 5000 can be said"):
+    with pytest.raises(InputError, match=r"5001 characters; at most 5000 can be spoken"):
         sayable("a" * (MOST_CHARACTERS + 1))
 
 

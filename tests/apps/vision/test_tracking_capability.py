@@ -388,7 +388,7 @@ def test_what_cannot_be_followed_is_refused_with_a_reason(world, monkeypatch):
     assert "no row for joint head_pitch" in track(world).answer.reason
     world.given = JOINTS
     world.unheard("joints")
-    assert "has not told" in track(world).answer.reason
+    assert "have not been reported" in track(world).answer.reason
     world.run(0.1)
     monkeypatch.undo()
     monkeypatch.setattr(module, "Eye", PromptEye)

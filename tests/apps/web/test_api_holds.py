@@ -338,7 +338,7 @@ def test_it_is_released_when_the_page_stays_silent(bench):
     ((at, _, stop),) = bench.lender.halts
     assert SILENT_S < at - said <= BOUNDED_S + 2 * ROUND_S
     assert stop["lost"]
-    assert (last(hand).code, last(hand).reason) == ("lapsed", f"the page said nothing for {BOUNDED_S:g} s")
+    assert (last(hand).code, last(hand).reason) == ("lapsed", f"the page sent nothing for {BOUNDED_S:g} s")
 
 
 @pytest.mark.parametrize(("gap_s", "stops"), [(0.1, 0), (0.2, 10), (0.3, 10), (0.4, 10)])

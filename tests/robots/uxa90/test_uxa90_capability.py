@@ -512,7 +512,7 @@ def test_commands(rig, board):
     assert "say which" in ask(rig, "inquire", InquireCommand(what="boundary")).reason
     assert "no joint has servo 9" in ask(rig, "inquire", InquireCommand(what="boundary", id=9)).reason
     board.dead.add(1)
-    assert "does not say its boundary" in ask(rig, "inquire", InquireCommand(what="boundary", id=1)).reason
+    assert "does not report its boundary" in ask(rig, "inquire", InquireCommand(what="boundary", id=1)).reason
     said = ask(rig, "configure", ConfigureCommand(what="boundary", id=2, values=(1, 2)))
     assert not said.accepted
     assert '"maintenance": true' in said.reason
@@ -526,7 +526,7 @@ def test_maintenance_writes_a_register_and_reads_it_back(board):
     assert board.heard(bytes.fromhex("FFE21114C82F"))
     board.forget()
     rig.driver._session.bus.settle = lambda _within_s: False
-    assert "was not told" in ask(rig, "configure", ConfigureCommand(what="boundary", id=2, values=(20, 200))).reason
+    assert "did not get it" in ask(rig, "configure", ConfigureCommand(what="boundary", id=2, values=(20, 200))).reason
     assert not any(one[1] >> 5 == 7 for one in board.packets)
     del rig.driver._session.bus.settle
     for what, values, why in (

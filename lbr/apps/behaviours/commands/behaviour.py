@@ -133,7 +133,7 @@ def import_(
     "form",
     flag_value="csv",
     default=True,
-    help="For a spreadsheet; this is what is written if nothing is said.",
+    help="For a spreadsheet; the default.",
 )
 @click.option("--json", "form", flag_value="json", help="As JSON.")
 @click.option(

@@ -37,9 +37,7 @@ OPTIONS = (
     click.option(
         "--jobs", type=click.IntRange(1, 256), metavar="N", help="Trials at a time; one for each core if left out."
     ),
-    click.option(
-        "--only", type=click.IntRange(0), metavar="NUMBER", help="One trial alone, with all that was told in it."
-    ),
+    click.option("--only", type=click.IntRange(0), metavar="NUMBER", help="One trial alone, with all its events."),
     click.option("--fault", metavar="NAME", help="What is wrong in the trial of --only."),
     click.option(
         "--begins",
@@ -225,7 +223,8 @@ def setup_of(
     plan, problems = planned(rows)
     if plan is None:
         raise InputError(
-            f"the rows of {rows.robot.name} make no robot: {problems[0]}; 'lbr db check' says all", "bad_value"
+            f"the rows of {rows.robot.name} make no robot: {problems[0]}; 'lbr db check' lists all problems",
+            "bad_value",
         )
     units = {name: unit.config for name, unit in plan.units.items() if unit.program is None}
     by_kind = {unit.kind: name for name, unit in plan.units.items()}

@@ -58,7 +58,7 @@ class CallFace(Face):
     @post("/call/{id}", role="known", within_s=KEEP_S + 1.0)
     async def _keep(
         self, id_: str, body: KeepBody | None = None
-    ) -> Annotated[RingReply, Refuses({404: "The call is over; the message says why."})]:
+    ) -> Annotated[RingReply, Refuses({404: "The call is over; the message has the reason."})]:
         """Keep a call, or leave it."""
         if not 1 <= len(id_) <= LONGEST_ID:
             raise Refused(404, "there is no such call")

@@ -40,7 +40,7 @@ def _complete_format(_context: click.Context, _parameter: click.Parameter, begun
 )
 @click.option("--of", metavar="NAME", help="Which robot of the file, if it has several.")
 @click.option("--replace", "replacing", is_flag=True, help="Also write over what is not as shipped.")
-@click.option("--dry-run", is_flag=True, help="Only report; all is checked as if it were written.")
+@click.option("--dry-run", is_flag=True, help="Show the effects, and write nothing; all is checked.")
 @database_option
 @json_option
 def command(
@@ -165,8 +165,8 @@ def _planned(
     if conflicts := [text for part in imported for text in part.conflicts]:
         more_of = f", and {len(conflicts) - 10} more" if len(conflicts) > 10 else ""
         raise InputError(
-            f"what a person has set would be written over: {'; '.join(conflicts[:10])}{more_of}. Nothing is written; "
-            "--replace takes what the file says"
+            f"settings of a person would be overwritten: {'; '.join(conflicts[:10])}{more_of}. Nothing is written; "
+            "--replace takes those of the file"
         )
     return wanted_rows.Imported(
         rows=tuple(row for part in imported for row in part.rows),

@@ -95,7 +95,7 @@ def export(name: str, robot: str | None, path: Path | None, database: Path | Non
 @click.option("--name", metavar="NAME", help="What it is to be called; as in the file if left out.")
 @click.option("--clip", is_flag=True, help="Bring angles beyond a joint's limits within them, instead of refusing.")
 @click.option("--replace", "replacing", is_flag=True, help="Put it in the place of the motion that has this name.")
-@click.option("--dry-run", is_flag=True, help="Only say what would be taken.")
+@click.option("--dry-run", is_flag=True, help="Show the effects, and write nothing.")
 @database_option
 @json_option
 def import_(
@@ -144,7 +144,7 @@ def import_(
 @command.command("stable")
 @click.argument("names", nargs=-1, shell_complete=complete_motion)
 @robot_option
-@click.option("--dry-run", is_flag=True, help="Only say what was found.")
+@click.option("--dry-run", is_flag=True, help="Show the result, and write nothing.")
 @database_option
 @json_option
 def stable(names: tuple[str, ...], robot: str | None, dry_run: bool, database: Path | None, as_json: bool) -> int:

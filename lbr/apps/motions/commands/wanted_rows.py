@@ -222,7 +222,7 @@ def _read(kind: type[Row], values: RawRow) -> dict[str, object]:
             columns_of[name] = msgspec.json.decode(msgspec.json.encode(column.read(values.get(name))))
         except WrongError as err:
             raise InputError(
-                f"{kind.TABLE} '{short(values.get('name'))}', {name}: {err}; 'lbr db check' tells all"
+                f"{kind.TABLE} '{short(values.get('name'))}', {name}: {err}; 'lbr db check' lists all problems"
             ) from err
     return columns_of
 

@@ -38,7 +38,7 @@ class BoxSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
 
 KIND = Kind(
     name="box",
-    summary="the black box: records all that is said on the bus, in turn, and keeps what led to incidents",
+    summary="the black box: always records all messages of the bus, and keeps those before an incident",
     family="app",
     entry="lbr.apps.recorder.box.start:Box",
     settings=BoxSettings,

@@ -134,7 +134,7 @@ def _plain(outcome: Outcome, recorded: Recorded, tries: int) -> dict[str, object
 
 def _judgement(outcome: Outcome) -> str:
     if outcome.late:
-        late = f"what was said then came up to {outcome.late_s:.1f} s late"
+        late = f"messages of then came up to {outcome.late_s:.1f} s late"
         return f"nothing is shown by this run: {late}, as this machine is too busy; run it when it has time"
     return "as recorded" if outcome.same else "otherwise than recorded"
 

@@ -199,7 +199,7 @@ def opened(data: mmap.mmap | bytes, span: Span) -> bytes:
     except (zstandard.ZstdError, McapError, RuntimeError, ValueError, MemoryError) as err:
         raise DamagedError(f"a chunk cannot be unpacked: {err}") from err
     if size != chunk.uncompressed_size:
-        raise DamagedError("a chunk has another size than it says")
+        raise DamagedError("a chunk has another size than its header states")
     return plain
 
 

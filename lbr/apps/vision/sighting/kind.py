@@ -24,13 +24,13 @@ class SightingSettings(VisionSettings, frozen=True, kw_only=True, forbid_unknown
     yaw_deg: Turned = 0.0
     pitch_deg: Turned = 0.0
     diameter_m: (
-        Annotated[float, Meta(gt=0.0, le=10.0, description="of what is looked for; null: no distance is told")] | None
+        Annotated[float, Meta(gt=0.0, le=10.0, description="of the target; null: no distance is reported")] | None
     ) = None
 
 
 KIND = Kind(
     name="sighting",
-    summary="tells where a camera sees a coloured thing or a face, while that is asked for",
+    summary="reports where a camera sees a coloured thing or a face, on request",
     family="app",
     entry="lbr.apps.vision.sighting.capability:Sighting",
     settings=SightingSettings,

@@ -116,9 +116,7 @@ class Tracking(Capability[TrackingSettings]):
         """Return the last state of the joints; raise InputError if it is too old."""
         received = self.ctx.latest("joints")
         if received is None or not received.age_s(self.ctx.clock()) <= JOINTS_CURRENT_S:
-            raise InputError(
-                "joints operation has not told for a while where the joints are; see /report/joints", "stale_sensor"
-            )
+            raise InputError("the joints have not been reported for a while; see /report/joints", "stale_sensor")
         return received
 
     def _go_on(self, following: _Following) -> None:
@@ -166,7 +164,7 @@ class Tracking(Capability[TrackingSettings]):
         limit_s = self.ctx.settings.give_up_s
         if now - max(following.looking.seen_s, following.looking.began_s) <= limit_s:
             return None
-        lost = f"no {following.command.target} was seen for {limit_s:g} s; the setting `give_up_s` says so"
+        lost = f"no {following.command.target} was seen for {limit_s:g} s (setting `give_up_s`)"
         return Reason("stale_sensor", lost)
 
     def _complain(self, why: str) -> None:

@@ -105,7 +105,7 @@ def _stream(
         "security": [{}, {"token": []}],
         "responses": {
             "200": {"description": "The message, and how old it is", "content": {JSON: {"schema": newest}}},
-            **_refusals({**openapi.ALWAYS, **openapi.WITH_ROLE, 404: "It has said nothing yet."}, refusal),
+            **_refusals({**openapi.ALWAYS, **openapi.WITH_ROLE, 404: "It has sent nothing yet."}, refusal),
         },
     }
 

@@ -17,7 +17,7 @@ from lbr.messages.units import Name
 ASKED, HANDED = "asked_for", "handed_over"
 OFTEN_HZ = 0.5
 """A request is an event that everybody sees, so a person may repeat it only every two seconds."""
-REFUSES = Refuses({404: "Nothing of this name on this robot is held.", 429: "You said so two seconds ago."})
+REFUSES = Refuses({404: "Nothing of this name on this robot is held.", 429: "You asked within the last two seconds."})
 
 
 class AskBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -46,7 +46,7 @@ class Handover:
         page shows it."""
         by, what = self._sender("ask", client, body.capability), body.capability
         self._api.tell(ASKED, f"{by} asks for {what}", {"capability": what, "by": by})
-        return Message(message="told to who holds it")
+        return Message(message="the holder was asked")
 
     @post("/api/hand_over", role="operate")
     async def _hand_over(self, client: Client, body: HandOverBody) -> Annotated[Message, REFUSES]:
@@ -62,5 +62,5 @@ class Handover:
         if not any(held):
             raise Refused(404, f"there is nothing '{part}' on this robot that is held; GET /api names what there is")
         if not self._rates.take(f"{verb} {by}", self._api.now()):
-            raise Refused(429, f"{by} said so two seconds ago", {"Retry-After": "2"})
+            raise Refused(429, f"{by} asked within the last two seconds", {"Retry-After": "2"})
         return by

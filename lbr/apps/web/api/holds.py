@@ -46,7 +46,7 @@ ENDED_BY_OTHERS: frozenset[str] = frozenset(
 REST = "release it first, and begin again"
 RELEASED = "{} released it"
 GONE = "{} is gone"
-SILENT = "{} said nothing for {:g} s"
+SILENT = "{} sent nothing for {:g} s"
 
 
 class HoldNews(Struct, frozen=True, kw_only=True):

@@ -61,7 +61,7 @@ class _PageViewer(Viewer):
     """A page: its streams, the messages sent to it, and its hand."""
 
     messages_hz, messages_at_once = 100.0, 200.0  # a page sends 25 a second, with a mouse 60; a network delivers late
-    too_much = "too much is said here"
+    too_much = "too many messages"
 
     def __init__(self, api: Api, feeds: Feeds, client: Client, page: str) -> None:
         super().__init__(1.0 / USUAL_HZ)
@@ -133,7 +133,7 @@ class _PageViewer(Viewer):
             self._age, self._link = LinkAge(PULSE_S), None
         elif message.hold is not UNSET and late:
             self._hand.release()
-            text = f"this came more than {OLDEST_S:g} s after it was said, or quotes no time of this server's"
+            text = f"the command arrived more than {OLDEST_S:g} s late: let go and try again"
             self._tell(_hold(HoldNews(n=message.hold.n, holds=False, code="late", reason=text)))
         elif message.hold is not UNSET:
             self._hold(message.hold, now)

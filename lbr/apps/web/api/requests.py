@@ -62,7 +62,7 @@ class Requests:
         sample = sample_of(question.replies[0]) if question.replies else None
         if sample is None:
             raise Refused(
-                404, f"'{name}' has said nothing yet, or its process is gone", {"Retry-After": "1"}, "unreachable"
+                404, f"'{name}' has sent nothing yet, or its process is gone", {"Retry-After": "1"}, "unreachable"
             )
         age = max(0.0, self._api.now() - sample.sent_s)
         return encoded(b'{"age_s":%.3f,"message":%s}' % (age, sample.text))

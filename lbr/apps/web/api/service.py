@@ -29,7 +29,7 @@ from lbr.messages.description import RobotDescription
 from lbr.messages.system import CapabilityStatus, EstopState, Role, Status
 
 NO_BUS = "the API serves where the robot runs; this server is on another machine"
-NOT_YET = "the robot has not said yet what it is; ask again"
+NOT_YET = "the robot has not described itself yet; ask again"
 REPORT = b"/report/robot"
 REPORT_S, AGAIN_S = 2.0, 0.5
 T = TypeVar("T")

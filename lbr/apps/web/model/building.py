@@ -233,7 +233,7 @@ class Building:
     @get("/api/motion/check")
     async def _checked(
         self, client: Client, params: CheckParams
-    ) -> Annotated[Check, NO_CHECK, Refuses({500: "It could not be done; the sentence says why."})]:
+    ) -> Annotated[Check, NO_CHECK, Refuses({500: "It could not be done; the sentence has the reason."})]:
         """The progress of a check, and its report."""
         work = self._the_check(client, params.check)
         work.asked_s = self._robot.now()

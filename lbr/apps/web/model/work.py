@@ -65,7 +65,7 @@ class Work:
         elif now - self.asked_s > UNASKED_S:
             self.end(NotDone(reason="it was not asked for any more", code="cancelled"))
         elif len(self._said) > MOST_SAID:
-            self.end(NotDone(reason="it says too much"))
+            self.end(NotDone(reason="it sends too much"))
 
     def end(self, result: Said) -> None:
         """End the process, with this result."""
@@ -82,7 +82,7 @@ class Work:
         try:
             result = msgspec.json.decode(line, type=Said)
         except UNREADABLE as err:
-            result = NotDone(reason=f"what the process said cannot be read: {err}")
+            result = NotDone(reason=f"the answer of the process cannot be read: {err}")
         if isinstance(result, Progress):
             self.part = result.part
         else:

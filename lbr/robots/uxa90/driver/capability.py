@@ -104,7 +104,7 @@ class Uxa90(Servos[Uxa90Settings, Session]):
         answered = session.hears
         if answered and self._unanswered:
             self._unanswered = False
-            self._begin_anew(session, "servos were told unheard, and answer now")
+            self._begin_anew(session, "servos answer again, after commands that they may have missed")
         silent_s = now - max(poller.heard_at, self._passed_since)
         if not session.mute or silent_s < SILENT_S or now - self._retaken_at < RETAKE_S:
             return

@@ -15,7 +15,7 @@ MISSES = 5
 AGAIN_S = 10.0
 """The period of questions after `MISSES` lost ones in a row: each lost question costs readings of servos."""
 NOT_ASKED_S = 1.0
-NOT_ASKED = "the main board is not asked how it lies: the setting `imu` of its row says so"
+NOT_ASKED = "the main board is not asked about its attitude (setting `imu` of its row)"
 SILENT = "the main board does not say how it lies"
 UNMEASURED = "the main board's inertial unit is at the end of its range, or measures nothing"
 

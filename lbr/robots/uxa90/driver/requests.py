@@ -12,7 +12,7 @@ ASKED_S, WRITTEN_S = 0.1, 0.25
 """The waits for a register's answer; storing a value without power takes the servo longer."""
 TRIES = 3
 SETTLE_S = 0.5
-NOT_TOLD = "was not told: the line was wanted for a stop or a move, or is not quiet; say it again"
+NOT_TOLD = "did not get it: a stop or a move needed the line, or it is not quiet; try again"
 Job = Callable[[Bus], InquireReply]
 
 
@@ -28,7 +28,7 @@ def inquiry(message: InquireCommand, servos: Collection[int]) -> Job:
         values = _asked(bus, register, servo)
         if values is None:
             return InquireReply(
-                accepted=False, code="timeout", reason=f"servo {servo} does not say its {register.name}"
+                accepted=False, code="timeout", reason=f"servo {servo} does not report its {register.name}"
             )
         return InquireReply(accepted=True, values=values, text=f"servo {servo}: {_text(register, values)}")
 
@@ -43,7 +43,7 @@ def configuration(message: ConfigureCommand, servos: Collection[int]) -> Job:
     servo = _known(message.id, servos, message.what)
     data = packets.configure(register, servo, message.values)
     if register.name == "id" and message.values[0] in servos:
-        raise ValueError(f"there is a servo {message.values[0]} already; two with one id cannot be told apart")
+        raise ValueError(f"there is a servo {message.values[0]} already; two with one id cannot be distinguished")
     expected = message.values * 2 if register.twice else message.values
 
     def job(bus: Bus) -> InquireReply:
@@ -57,14 +57,14 @@ def _written(bus: Bus, register: Register, servo: int, data: bytes, expected: tu
         return InquireReply(accepted=False, code="timeout", reason=f"servo {servo} {NOT_TOLD}")
     if not register.answers:
         bus.say(data)
-        return InquireReply(accepted=True, values=expected, text=f"servo {servo} was told; it does not answer that")
+        return InquireReply(accepted=True, values=expected, text=f"sent to servo {servo}, which does not answer that")
     came = bus.ask(data, register.answers, WRITTEN_S)
     values = tuple(came) if came is not None else None
     if register.read is not None:
         values = _asked(bus, register, servo)
     if values is None:
         return InquireReply(
-            accepted=False, code="timeout", reason=f"servo {servo} does not say whether it took its {register.name}"
+            accepted=False, code="timeout", reason=f"servo {servo} does not confirm its {register.name}"
         )
     if values[: len(expected)] != expected:
         return InquireReply(

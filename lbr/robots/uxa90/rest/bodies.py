@@ -9,9 +9,7 @@ from lbr.messages.joints import MAX_FRAMES, DurationS, JointRad
 from lbr.messages.units import Name
 
 Id = Annotated[int, Meta(description="the motor's number")]
-Position = Annotated[
-    float, Meta(description="where to go: a count of the servo, unless `unit` says otherwise; clamped")
-]
+Position = Annotated[float, Meta(description="where to go: a count of the servo, unless `unit` names another; clamped")]
 Torque = Annotated[float, Meta(description="0, the strongest, to 4, the weakest; clamped")]
 DelayMs = Annotated[float, Meta(ge=0.0, le=600_000.0, description="milliseconds from the request to its beginning")]
 Unit = Literal["raw", "percent", "deg"]
