@@ -39,9 +39,12 @@ def estop_acknowledgement(robot: str, capability: str) -> str:
     return f"{robot}/@estop/ack/{capability}"
 
 
-def edit(robot: str) -> str:
-    """Return the key on which the executive receives edits of rows, from capabilities wired to `executive.edit`."""
-    return f"{robot}/@edit"
+def edit(robot: str, capability: str = "") -> str:
+    """Return the key on which the executive receives edits of rows, from capabilities wired to `executive.edit`.
+
+    Of a capability: the key on which it receives edits of its own rows, from the executive alone.
+    """
+    return f"{robot}/@edit/{capability}" if capability else f"{robot}/@edit"
 
 
 def pair(robot: str) -> str:

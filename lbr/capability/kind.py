@@ -17,7 +17,7 @@ from lbr.capability.settings import decoded
 from lbr.capability.word import Word
 from lbr.errors import LbrError
 from lbr.messages.camera import JpegFrame
-from lbr.messages.rows import Row, RowsChanged
+from lbr.messages.rows import Row
 from lbr.messages.system import Role
 
 STOP = "stop"
@@ -44,13 +44,13 @@ class Rows:
     """The rows of a table that a kind reads: all of the robot's, or those `where` a column equals a setting.
 
     An empty column matches every setting. An empty setting matches every column. `learnt` rows may be written back.
-    `edits` are those that the kind receives by its command `rows`; of rows with secrets, removals at most.
+    Edits of `followed` rows come while it runs; for those of others it is restarted.
     """
 
     row: type[Row]
     where: Mapping[str, str] = field(default_factory=dict)
     learnt: bool = False
-    edits: Literal["all", "removals", "none"] = "all"
+    followed: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,7 +154,7 @@ class Kind:
     unfed. `wires` are the inputs and requests that need no channel row. `words` are added to the console of every robot
     with a capability of this kind. `says` names its setting with console lines, each of which its robot must know.
     `moves` marks a path to a motor. Such a kind gets the emergency stop on a session of its own. It is stopped first.
-    `rows` are the tables whose rows it gets. It is restarted for edits, unless it receives them by a command `rows`.
+    `rows` are the tables whose rows it gets.
     """
 
     name: str
@@ -197,13 +197,6 @@ class Kind:
     def learns(self) -> tuple[type[Row], ...]:
         """Return the tables whose rows it may write back."""
         return tuple(one.row for one in self.reads if one.learnt)
-
-    def follows(self, edit: RowsChanged) -> bool:
-        """Return whether it receives an edit of its rows, and is not restarted for it."""
-        received = {one.row.TABLE: one.edits for one in self.reads}
-        return self.messages.get("rows") is RowsChanged and all(
-            received[table] in ({"all", "removals"} if rows == "[]" else {"all"}) for table, rows in edit.rows.items()
-        )
 
     def command(self, name: str) -> Command:
         """Return a command with its properties."""

@@ -36,6 +36,7 @@ from lbr.messages.unreadable import UNREADABLE
 COMPLAINTS_PER_S = 2
 ACKNOWLEDGE_S = 0.5
 """The time for a mover to acknowledge an emergency stop if it has no setting `acknowledge_s`."""
+EDITED = "@edit"  # the executive's edit of rows, left out of recordings as rows have secrets
 UNREAD_S = 2.0
 """After this time without a reader, the subscription ends."""
 NEWEST_WAIT_S = 0.1
@@ -242,6 +243,9 @@ class ProcessContext:
             )
             for name, message in kind.messages.items()
         }
+        if any(read.followed for read in kind.reads):
+            served = self._bus.serve(keys.edit(config.robot, config.name), wake, source=config.name)
+            self._commands[EDITED] = served, Decoder(RowsChanged, command=True)
         _serve_schemas(self._bus, config, kind)
         self._presence = self._bus.presence(config.robot, lambda _name, _alive: wake())
         self._bus.alive(config.robot, config.name)
@@ -455,17 +459,18 @@ class ProcessContext:
             lambda who, reply: self._refused(who, f"{who}: {reply.reason}", reply.code, about=who),
             away=bool(self.config.host),
             overtaken=self._overtaken,
-            answered=self._tape.answered,
+            answered=self._tape.answered if name != EDITED else None,
         )
         try:
             call.message = _read(name, request.payload, self._commands[name][1])
-            if isinstance(call.message, RowsChanged):
-                self._row_sets = edited(self._row_sets, (read.row for read in self.kind.reads), call.message)
-                self._rows.clear()
+            if name != EDITED:
+                return [call]
+            self._row_sets = edited(self._row_sets, (read.row for read in self.kind.reads), call.message)
+            self._rows.clear()
+            call.reply(CommandReply(accepted=True))
         except (MalformedError, *UNREADABLE) as err:
             call.refuse(f"malformed command: {err}", "malformed")
-            return []
-        return [call]
+        return []
 
     def counts(self) -> dict[str, int]:
         """Return how many messages each output has published."""

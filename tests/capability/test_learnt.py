@@ -5,14 +5,16 @@ import os
 import msgspec
 from msgspec.structs import replace
 
+from lbr.bus import keys
 from lbr.capability.base import Capability
 from lbr.capability.config import Report
-from lbr.capability.kind import Kind
+from lbr.capability.kind import Kind, Rows
 from lbr.capability.reporter import Reporter
 from lbr.messages.joints import Joint, MotionRow, MotionStep
-from lbr.messages.leases import CommandReply
+from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.rows import RowsChanged, by_table, changed, changes, row_set, with_rows
 from lbr.messages.speech import Phrase
+from lbr.messages.taped import Taped
 from lbr.testing import Stage, alone
 
 NECK = Joint(name="neck", device_id=1, lower_rad=-1.0, upper_rad=1.0, speed_rps=1.0)
@@ -85,12 +87,18 @@ def test_rows_that_are_edited_while_a_capability_runs_are_its_rows_or_the_edit_i
         summary="follows",
         family="app",
         entry=Follower,
-        commands={"rows": RowsChanged},
-        rows=(MotionRow, MotionStep),
+        commands={"which": StopCommand},
+        rows=(Rows(MotionRow, followed=True), Rows(MotionStep, followed=True)),
     )
     stage = Stage()
     stage.add(alone(kind, rows=(BOW, step(1)), name="follower"), kind)
     edit = changed(sets(BOW, step(1)), sets(MotionRow(name="nod"), MotionRow(name="wave")))
-    assert stage.answer("follower", "rows", edit).reason == "nod wave"
-    assert stage.answer("follower", "rows", RowsChanged(rows={"motion": "[3]"})).code == "malformed"
-    assert stage.answer("follower", "rows", RowsChanged()).reason == "nod wave"
+    taped = []
+    stage.listen(keys.taped(stage.robot, "follower"), Taped, taped.append)
+    assert stage.answer("@edit", "follower", edit).accepted
+    assert stage.answer("follower", "which", StopCommand()).reason == "nod wave"
+    assert stage.answer("@edit", "follower", RowsChanged(rows={"motion": "[3]"})).code == "malformed"
+    assert stage.answer("follower", "which", StopCommand()).reason == "nod wave"
+    assert stage.answer("follower", "rows", edit) is None, "whoever may send a command may not edit its rows"
+    stage.run(1.0)
+    assert [command.name for one in taped for command in one.commands] == ["which", "which"], "rows may have secrets"

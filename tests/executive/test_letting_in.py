@@ -203,11 +203,17 @@ def test_only_what_pairs_may_show_codes_and_none_may_say_lines_of_an_admin(rows)
 
 def test_each_key_of_the_system_is_among_those_that_rights_are_given_over():
     known = [key.removesuffix("/**") for key in everything("lbr")]
-    system = [keys.console("lbr", "view"), keys.console_of_pages("lbr"), keys.edit("lbr"), keys.pair("lbr")]
+    system = [
+        keys.console("lbr", "view"),
+        keys.console_of_pages("lbr"),
+        keys.edit("lbr"),
+        keys.pair("lbr"),
+        keys.edit("lbr", "web"),
+    ]
     assert all(any(f"{key}/".startswith(f"{one}/") for one in known if "@" in one) for key in system)
 
 
-def test_who_has_the_token_already_is_not_restarted_for_it(rows):
+def test_who_has_the_token_already_is_told_nothing_of_it(rows):
     row = TokenRow(
         name="anas-phone", role="operate", hash=tokens.hashed("x"), created_at="2026-01-01T00:00:00.000Z",
         good_for="web", paired_from="192.168.1.7",
@@ -215,7 +221,7 @@ def test_who_has_the_token_already_is_not_restarted_for_it(rows):
     before = TokenRow(name="zoe", role="view", hash=row.hash, created_at=row.created_at)
     plan = planned(replace(rows, tokens=(before,)))
     after = planned(replace(rows, tokens=(row, before)))
-    assert plans.difference(plan, after).restart == ("web",)
+    assert plans.difference(plan, after).follow == ("web",)
     secret = credentials.token_secret(b"", row.name, row.created_at)
     user = LanUser(name=row.name, role=row.role, secret=secret, hash=row.hash)
     assert plans.difference(plans.learnt(plan, "web", by_table([user])), after) == plans.Change()

@@ -96,6 +96,8 @@ class Behaviours(Capability[BehaviourSettings]):
             self.ctx.estop.acknowledge(stopped=True)
         if self.ctx.settings.when_low:
             self._look_after_the_battery(self.ctx.settings.when_low)
+        if self._library.is_edited:
+            self._follow()
         if self._run is not None:
             self._go_on(self._run)
         self.rate_hz = IDLE_HZ if self._run is None else RUNNING_HZ
@@ -145,9 +147,6 @@ class Behaviours(Capability[BehaviourSettings]):
                 begun = self._begin(message.name, call)
                 self._publish()  # whoever got the answer finds the new run in the state
                 call.reply(CommandReply(accepted=True, reason=begun))
-            case "rows":
-                self._follow()
-                call.reply(CommandReply(accepted=True))
             case "list":
                 call.reply(CommandReply(accepted=True, reason=self._library.listed(self._published)))
             case "show":

@@ -5,7 +5,7 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from lbr.apps.behaviours.keys import STREAMS
-from lbr.capability.kind import Command, Kind, Wire, names
+from lbr.capability.kind import Command, Kind, Rows, Wire, names
 from lbr.capability.word import Word
 from lbr.messages.beacon import SeekCommand
 from lbr.messages.behaviour import (
@@ -25,7 +25,6 @@ from lbr.messages.behaviour import (
 from lbr.messages.drive import DriveCommand, GoalResult, HeadingCommand, TurnCommand
 from lbr.messages.joints import PlayCommand
 from lbr.messages.leases import CommandReply, StopCommand
-from lbr.messages.rows import RowsChanged
 from lbr.messages.sensing import RangeSensor
 from lbr.messages.sighting import WatchCommand
 from lbr.messages.speech import SayCommand
@@ -76,7 +75,6 @@ KIND = Kind(
         "check": Command(CheckBehaviour, role="view"),
         "read": Command(ReadBehaviour, role="view"),
         "write": Command(WriteBehaviour, choices=_TABLES, role="view"),
-        "rows": Command(RowsChanged, role="admin"),
     },
     requests={
         "move": DriveCommand,
@@ -91,14 +89,12 @@ KIND = Kind(
         "watch": WatchCommand,
     },
     replies={
-        **dict.fromkeys(
-            ("run", "show", "list", "why", "pause", "step", "resume", "stop", "rows", *_ASKED), CommandReply
-        ),
+        **dict.fromkeys(("run", "show", "list", "why", "pause", "step", "resume", "stop", *_ASKED), CommandReply),
         "check": BehaviourChecked,
         "read": BehaviourChecked,
         "write": BehaviourWritten,
     },
-    rows=(BehaviourTable, BehaviourRow, RangeSensor),
+    rows=tuple(Rows(row, followed=True) for row in (BehaviourTable, BehaviourRow, RangeSensor)),
     wires={
         **{stream: Wire("state" if stream != "ranges" else "readings", _STREAM_DEPTH) for stream in STREAMS},
         "dock": Wire("signal", _STREAM_DEPTH),

@@ -41,16 +41,24 @@ class Library:
         self._ctx = ctx
         self._senses = senses
         self._compiled: dict[str, Compiled] = {}
+        self._rows = self._read_rows()
+
+    def _read_rows(self) -> tuple[tuple[BehaviourTable, ...], tuple[BehaviourRow, ...], tuple[RangeSensor, ...]]:
+        return self._ctx.rows(BehaviourTable), self._ctx.rows(BehaviourRow), self._ctx.rows(RangeSensor)
 
     @property
     def _tables(self) -> dict[str, BehaviourTable]:
         return {row.name: row for row in self._ctx.rows(BehaviourTable)}
 
+    @property
+    def is_edited(self) -> bool:
+        """Return whether the rows are others than those that are compiled."""
+        return self._rows != self._read_rows()
+
     def compile(self) -> None:
         """Compile all tables, and publish their names and faults."""
-        self._compiled = linked(
-            compiled_alone(self._ctx.rows(BehaviourTable), self._ctx.rows(BehaviourRow), self._parts())
-        )
+        self._rows = self._read_rows()
+        self._compiled = linked(compiled_alone(*self._rows[:2], self._parts()))
         tables = self._tables
         summaries = (
             BehaviourSummary(

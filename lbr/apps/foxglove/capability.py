@@ -36,6 +36,7 @@ from lbr.apps.web.application import Gate
 from lbr.apps.web.bridge import until
 from lbr.apps.web.face import Client, Message, Refused, Request, declared, get, json, post
 from lbr.apps.web.front import Front
+from lbr.apps.web.login import Login
 from lbr.apps.web.robot import Robot
 from lbr.apps.web.sessions import Sessions
 from lbr.apps.web.viewing import Viewing, shown_token
@@ -77,8 +78,8 @@ class Door(Viewing):
     protocols = protocol.PROTOCOLS
     does = "connected"
 
-    def __init__(self, bridge: "Foxglove", gate: Gate, viewers: Turns) -> None:
-        super().__init__(gate, viewers)
+    def __init__(self, bridge: "Foxglove", gate: Gate, viewers: Turns, sessions: Sessions) -> None:
+        super().__init__(gate, viewers, sessions)
         self._bridge = bridge
 
     def chosen(self, offered: Collection[str]) -> str:
@@ -118,6 +119,7 @@ class Foxglove(Capability[FoxgloveSettings]):
         self.session = f"{ctx.robot}-{int(ctx.clock() * 1000)}"
         self._front = Front(ctx, "Foxglove", lambda url: url.replace("http", "ws", 1))
         self._sessions = Sessions(home.home() / "credentials" / f"foxglove.{ctx.robot}.{ctx.name}.sessions", {})
+        self._access = Access((), (), login=Login(self._sessions, "", tls=True))
         self._known: object = None
         self._goals: list[Goal] = []
         self._bus: RobotBus | None = None
@@ -136,6 +138,7 @@ class Foxglove(Capability[FoxgloveSettings]):
     def step(self) -> None:
         """Serve requests, and follow changes of the robot's description."""
         now = self.ctx.clock()
+        self._access.use(self.ctx.rows(LanUser))
         self.api.step()
         self._front.bridge.serve()
         self._renew(now)
@@ -254,8 +257,8 @@ class Foxglove(Capability[FoxgloveSettings]):
         robot = Robot(cast("Any", self.ctx), self._front.bridge, self._sessions, self._front.counts.tell)
         self.api = Api(robot, bus, "")
         self.pictures = Pictures(bus, lambda name: f"{self.ctx.robot}/{name}")
-        gate = Gate(Access((), self.ctx.rows(LanUser)), pages)
-        door = Door(self, gate, Turns(settings.clients, settings.clients))
+        gate = Gate(self._access, pages)
+        door = Door(self, gate, Turns(settings.clients, settings.clients), self._sessions)
         return self._front.application(declared(self), door, gate=gate, pages=pages, requests_per_s=REQUESTS_HZ)
 
     @get("/layout.json", page=True)

@@ -8,7 +8,7 @@ from msgspec import Meta
 from lbr.apps.foxglove.messages import FoxgloveState
 from lbr.apps.web.server_settings import ServerSettings
 from lbr.bus.door import LanUser
-from lbr.capability.kind import Kind, Needs, Rights
+from lbr.capability.kind import Kind, Needs, Rights, Rows
 from lbr.messages.joints import Joint
 from lbr.messages.kinematics import Wheel
 from lbr.messages.sensing import RangeSensor
@@ -47,6 +47,6 @@ KIND = Kind(
     entry="lbr.apps.foxglove.capability:Foxglove",
     settings=FoxgloveSettings,
     outputs={"state": FoxgloveState},
-    rows=(Joint, Wheel, RangeSensor, LanUser),
+    rows=(Joint, Wheel, RangeSensor, Rows(LanUser, followed=True)),
     needs=Needs("uvicorn", extra="foxglove"),
 )

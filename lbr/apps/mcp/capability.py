@@ -73,6 +73,7 @@ class Mcp(Capability[McpSettings]):
         super().__init__(ctx)
         self._front = Front(ctx, "agents", lambda url: f"{url.rstrip('/')}{PATH}")
         self._roster = Roster(AGENTS)
+        self._access = Access((), ctx.rows(LanUser))
         self._allowed: tuple[str, ...] = ()
         self._publish_at = 0.0
 
@@ -83,7 +84,7 @@ class Mcp(Capability[McpSettings]):
             server.sdk, max_request_body_size=LARGEST_BODY, max_sessions=SESSIONS, session_idle_timeout=IDLE_S
         )
         pages = Pages(())
-        gate = Gate(Access((), self.ctx.rows(LanUser)), pages)
+        gate = Gate(self._access, pages)
         door = Door(gate, manager)
         self._front.open(
             lambda: self._front.application((), door, gate=gate, pages=pages, requests_per_s=REQUESTS_HZ),
@@ -93,6 +94,7 @@ class Mcp(Capability[McpSettings]):
     def step(self) -> None:
         """Publish the rules, and the agents with a person's consent."""
         now = self.ctx.clock()
+        self._access.use(self.ctx.rows(LanUser))
         self._front.bridge.serve()
         self._front.publish_news()
         if now >= self._publish_at:

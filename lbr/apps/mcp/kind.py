@@ -7,7 +7,7 @@ from msgspec import Meta
 from lbr.apps.mcp.messages import NEVER, WORDS, AllowAgent, Asked, McpState, Rules
 from lbr.apps.web.server_settings import ServerSettings
 from lbr.bus.door import LanUser
-from lbr.capability.kind import Command, Kind, Needs, Rights
+from lbr.capability.kind import Command, Kind, Needs, Rights, Rows
 from lbr.capability.word import Word
 
 
@@ -46,7 +46,7 @@ KIND = Kind(
     settings=McpSettings,
     outputs={"state": McpState},
     commands={"allow": Command(AllowAgent)},
-    rows=(LanUser,),
+    rows=(Rows(LanUser, followed=True),),
     needs=Needs("mcp", extra="mcp"),
     words=(Word("/agent/{agent}", "allow", "Let an agent do what it must ask a person for, by its name"),),
 )

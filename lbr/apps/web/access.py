@@ -46,7 +46,10 @@ class Access:
 
     def use(self, users: Iterable[LanUser]) -> None:
         """Use these tokens only; what clients opened by others ends. From any thread."""
-        self._users = {user.name: user for user in users}
+        known = {user.name: user for user in users}
+        if known == self._users:
+            return
+        self._users = known
         if self._login is not None:
             self._login.sessions.use({user.name: user.secret for user in self._users.values()})
 

@@ -37,7 +37,6 @@ from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.errors import LbrError
 from lbr.messages.leases import CommandReply, StopCommand
-from lbr.messages.rows import RowsChanged
 from lbr.messages.web import AddressReply, WebState
 
 SWITCH_S = 0.0005
@@ -56,6 +55,7 @@ class Web(Capability[WebSettings]):
 
     rate_hz = BUSY_HZ
     woken_by_streams = False
+    _access: Access
 
     def __init__(self, ctx: Context[WebSettings]) -> None:
         super().__init__(ctx)
@@ -68,7 +68,6 @@ class Web(Capability[WebSettings]):
         self._told = ""
         self._api: Api | None = None
         self._announcer: Announcer | None = None
-        self._access: Access | None = None
         self._tell_at = self._look_at = self._busy_until = self._opened = 0.0
         self._requests = 0
 
@@ -81,6 +80,7 @@ class Web(Capability[WebSettings]):
     def step(self) -> None:
         """Run what clients requested, and read new states."""
         now = self.ctx.clock()
+        self._access.use(self.ctx.rows(LanUser))
         self._robot.moved = tuple(one.message for one in self.ctx.take("moved"))
         self._robot.played = tuple(one.message for one in self.ctx.take("played"))
         if self.ctx.on_tick:
@@ -113,10 +113,6 @@ class Web(Capability[WebSettings]):
                     accepted=listens, reason=place.text(), url=place.url, local=local, open=place.open, tls=place.tls
                 )
             )
-        elif isinstance(call.message, RowsChanged):
-            assert self._access is not None
-            self._access.use(self.ctx.rows(LanUser))
-            call.reply(CommandReply(accepted=True))
         elif isinstance(call.message, StopCommand):
             self._stop(call.message.reason or f"stopped by {call.source}")
             call.reply(CommandReply(accepted=True))

@@ -27,7 +27,6 @@ from lbr.messages.joints import (
 )
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.pairing import PairCommand, PairReply
-from lbr.messages.rows import Row, RowsChanged
 from lbr.messages.sensing import Ranges
 from lbr.messages.system import EstopResetCommand
 from lbr.messages.units import Name
@@ -119,8 +118,8 @@ PORTS, REFUSED = with_faces(
 """The ports of the server and of all installed faces; REFUSED has the faults of the others."""
 
 PHONE = "Connect a phone: open the web server to your network, and show a code to scan"
-EDITS: dict[type[Row], Literal["all", "removals"]] = {LanUser: "removals", MotionRow: "all", MotionStep: "all"}
-"""The edits for which the server is not restarted: a revoked token ends with its own client's connections."""
+FOLLOWED = {LanUser, MotionRow, MotionStep}
+"""The rows for whose edits the server is not restarted: a revoked token ends its own client's connections."""
 LETS_IN = ("host", "tls", "clear_text", "legacy", "trusted", "cors", "names", "announce")
 
 KIND = Kind(
@@ -136,11 +135,10 @@ KIND = Kind(
     commands={
         "address": Command(AddressCommand, role="view"),
         "stop": StopCommand,
-        "rows": Command(RowsChanged, role="admin"),
     },
     requests={**PORTS.requests, "pair": PairCommand},
-    replies={"address": AddressReply, "stop": CommandReply, "rows": CommandReply, "pair": PairReply, **PORTS.replies},
-    rows=tuple(Rows(row, edits=EDITS.get(row, "none")) for row in PORTS.rows),
+    replies={"address": AddressReply, "stop": CommandReply, "pair": PairReply, **PORTS.replies},
+    rows=tuple(Rows(row, followed=row in FOLLOWED) for row in PORTS.rows),
     words=(
         Word("phone", "phone", PHONE, executive=True, role="admin"),
         Word("p", "phone", PHONE, executive=True, role="admin"),

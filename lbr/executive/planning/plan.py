@@ -83,7 +83,8 @@ def difference(before: Plan, after: Plan) -> Change:
         if after.kinds[name].rights.emulates and added_devices(before.units[name], after.units[name])
     )
     edits = {name: changed_rows(before.units[name], after.units[name]) for name in changed}
-    follow = tuple(name for name, edit in edits.items() if edit is not None and after.kinds[name].follows(edit))
+    followed = {name: {read.row.TABLE for read in after.kinds[name].reads if read.followed} for name in edits}
+    follow = tuple(name for name, edit in edits.items() if edit and edit.rows.keys() <= followed[name])
     return Change(
         start=tuple(name for name in after.units if name not in before.units),
         stop=tuple(name for name in before.units if name not in after.units),

@@ -65,7 +65,7 @@ def _of_process(plan: Plan, unit: ProcessSpec) -> Rights:
     config, robot, name = unit.config, plan.robot, unit.name
     outputs = tuple(wire.key for wires in config.outputs.values() for wire in wires)
     inputs = tuple(wire.key for wires in config.wiring.values() for wire in wires)
-    commands = tuple(keys.port(robot, name, command) for command in plan.commands(name))
+    commands = (*(keys.port(robot, name, command) for command in plan.commands(name)), keys.edit(robot, name))
     requests = tuple(key for asked in config.requests.values() for key in asked.values())
     relayed = _relayed(unit.lan.commands, robot) if unit.lan is not None else ()
     watched = (keys.status(robot),) if unit.lan is not None else ()

@@ -18,7 +18,6 @@ from lbr.messages.rows import RowsChanged
 
 WITHIN_S = 1.0
 """A world answers within milliseconds; otherwise a restart is quicker than waiting."""
-COMMAND, ROWS = "plug", "rows"
 _replies = Decoder(CommandReply)
 
 
@@ -61,12 +60,14 @@ class Plugging(Service):
         """Ask a running world to emulate more devices."""
         for one in devices:
             wanted = PlugDevice(device=one.name, type=one.type, address=one.address, settings=one.settings)
-            if not self._ask(world, COMMAND, wanted, f"device '{one.name}' cannot be plugged in while it runs"):
+            key = keys.port(self._robot, world, "plug")
+            if not self._ask(world, key, wanted, f"device '{one.name}' cannot be plugged in while it runs"):
                 return
 
     def tell(self, name: str, rows: RowsChanged) -> None:
         """Send the edited rows to a running capability."""
-        self._ask(name, ROWS, rows, f"it cannot go on with other rows of {', '.join(rows.rows)}")
+        failure = f"it cannot go on with other rows of {', '.join(rows.rows)}"
+        self._ask(name, keys.edit(self._robot, name), rows, failure)
 
     def step(self, _now: float) -> float:
         """Restart a process whose request failed, once; a process that has restarted meanwhile has the edit already."""
@@ -80,12 +81,11 @@ class Plugging(Service):
                 self._restart(asked.name, f"{asked.failure}: {why}")
         return inf
 
-    def _ask(self, name: str, command: str, message: Struct, failure: str) -> bool:
+    def _ask(self, name: str, key: str, message: Struct, failure: str) -> bool:
         """Send a request to a process, if it runs; return whether it was sent."""
         process = self._process(name)
         if process is None:
             return False
-        key = keys.port(self._robot, name, command)
         try:
             question = wire.PendingQuery(
                 self._bus, key, wire.encode(message), timeout_s=WITHIN_S, source="executive", wake=self._wake

@@ -24,7 +24,6 @@ from lbr.messages.behaviour import (
 from lbr.messages.drive import DriveCommand, DriveState, GoalResult, TurnCommand
 from lbr.messages.joints import JointsState, PlayCommand
 from lbr.messages.leases import CommandReply, StopCommand
-from lbr.messages.rows import RowsChanged, changed, row_set
 from lbr.messages.sensing import Ranges
 from lbr.messages.sighting import SightingState, WatchCommand
 from lbr.messages.speech import SayCommand
@@ -85,6 +84,10 @@ class Stage:
         call = FakeCall(name, message or BehaviourOrder())
         self.behaviour.command(call)
         return call
+
+    def edit(self, *given):
+        self.ctx.given = given
+        self.behaviour.step()
 
     def tables(self):
         return {one.name: one for one in self.ctx.said("tables")[-1].tables}
@@ -334,23 +337,11 @@ def test_a_robot_without_a_voice_goes_on():
     assert stage.asked(SayCommand) == []
 
 
-def edited(stage: Stage, before, after) -> RowsChanged:
-    old = {
-        row.TABLE: row_set(row, [one for one in before if type(one) is row]) for row in (BehaviourTable, BehaviourRow)
-    }
-    new = {
-        row.TABLE: row_set(row, [one for one in after if type(one) is row]) for row in (BehaviourTable, BehaviourRow)
-    }
-    stage.ctx.given = after
-    return changed(old, new)
-
-
 def test_rows_that_are_edited_while_it_runs_count_from_the_next_state():
     stage = Stage()
     stage.run()
     stage.play(0.5)
-    call = stage.say("rows", edited(stage, rows(), rows(TABLE.replace(",,,,,90,,Go on", ",,,,,45,,Go on"))))
-    assert call.answer.accepted
+    stage.edit(*rows(TABLE.replace(",,,,,90,,Go on", ",,,,,45,,Go on")))
     assert stage.state.phase == "running"
     stage.ends()
     assert stage.asked(TurnCommand)[0].angle_deg == 45.0
@@ -360,7 +351,7 @@ def test_an_edit_with_a_fault_keeps_the_run_as_it_was_and_says_so():
     stage = Stage()
     stage.run()
     stage.play(0.5)
-    stage.say("rows", edited(stage, rows(), rows(TABLE.replace(",,,,,90,,Go on", ",,,,,900,,Go on"))))
+    stage.edit(*rows(TABLE.replace(",,,,,90,,Go on", ",,,,,900,,Go on")))
     (told,) = stage.ctx.told("behaviour_refused")
     assert "it goes on as it was: behaviour 'patrol', row 3, O:turn" in told
     stage.ends()
@@ -371,7 +362,7 @@ def test_a_table_taken_away_while_it_runs_stops_the_robot_in_words():
     stage = Stage()
     stage.run()
     stage.play(0.5)
-    stage.say("rows", edited(stage, rows(), ()))
+    stage.edit()
     stage.play(0.2)
     assert (stage.state.phase, stage.state.code) == ("ended", "changed")
     assert stage.asked(StopCommand)
@@ -391,7 +382,7 @@ def test_all_tables_are_told_with_what_is_wrong_in_them_and_again_after_an_edit(
     assert told["patrol"].rows == 7
     assert not [fault for fault in told["patrol"].faults if fault.error]
     assert (told["worse"].faults[0].step, told["worse"].faults[0].column) == (1, "Forward")
-    stage.say("rows", edited(stage, rows(TABLE.replace("> 90", "> 90 90"), "worse"), rows(TABLE, "worse")))
+    stage.edit(*rows(TABLE, "worse"))
     told = stage.tables()
     assert not [fault for fault in told["worse"].faults if fault.error]
 

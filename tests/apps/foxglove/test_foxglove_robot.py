@@ -418,6 +418,8 @@ def test_other_machines_come_in_by_tls_and_a_token_alone(robot, port):
         Foxglove(f"ws://{here}:{port}/")
     with closing(Foxglove(f"wss://{here}:{port}/?token={robot.token}", ssl=trust)) as operates:
         assert operates.newest("drive/state")["moving"] is False
+        before = robot.capability("foxglove")["pid"]
         assert lbr(robot.home, "token", "revoke", "viewer").returncode == 0
         with pytest.raises(ConnectionClosed):
             operates.until(lambda: False, "its end")
+        assert robot.capability("foxglove")["pid"] == before

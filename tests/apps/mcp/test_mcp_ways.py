@@ -8,9 +8,11 @@ import certifi
 import httpx
 import pytest
 
+from lbr.database import store
 from tests.apps.mcp.conftest import AGENT, SPIN, agent, turning
 from tests.support import needs, programs
 from tests.support import robot as robots
+from tests.support.door import add_token
 from tests.support.waiting import until
 
 needs.modules("mcp")
@@ -87,6 +89,22 @@ def test_strangers_and_wrong_tokens_are_refused(robot, url):
         ({"Host": "evil.example"}, 421),
     ):
         assert httpx.post(url, json=body, headers=accept | headers).status_code == status
+
+
+def test_a_token_is_good_when_it_is_added_and_no_more_when_it_is_revoked_and_the_server_runs_on(robot, url):
+    body = {"jsonrpc": "2.0", "id": 1, "method": "tools/list"}
+    before = robot.capability("agents")["pid"]
+    token = add_token(robot.home, "later", "view", good_for="web")
+    headers = {"Accept": "application/json, text/event-stream", "Authorization": f"Bearer {token}"}
+
+    def refused():
+        return httpx.post(url, json=body, headers=headers).status_code == 401
+
+    until(lambda: not refused(), what="the token")
+    with store.Database.open(robot.home / "robot.db") as database:
+        database.revoke_token("later")
+    until(refused, what="its end")
+    assert robot.capability("agents")["pid"] == before
 
 
 def test_a_person_lets_an_agent_by_a_word(robot):

@@ -10,13 +10,12 @@ from websockets.sync.client import connect
 
 from lbr.apps.web.viewing import TALKS
 from lbr.bus import tokens
+from lbr.bus.door import LanUser
 from lbr.executive.service.pairing_service import NOT_GOOD
 from lbr.messages.leases import CommandReply
 from lbr.messages.pairing import PairReply
-from lbr.messages.rows import RowsChanged
-from lbr.testing import FakeCall
 from tests.apps.web.web_stage import Served, serving
-from tests.support.waiting import HANG_S
+from tests.support.waiting import HANG_S, until
 
 SECRET, FINGERPRINT = "s" * 43, "f" * 22
 HASH = tokens.hashed(SECRET)
@@ -83,9 +82,6 @@ def test_a_token_that_is_revoked_ends_what_its_own_client_opened_and_nothing_els
     states = f"ws://127.0.0.1:{served.port}/ws"
     with connect(states, additional_headers=as_lost) as ends, connect(states, additional_headers=as_kept) as goes_on:
         served.stage.given = tuple(one for one in served.stage.given if one.name != lost.json["name"])
-        call = FakeCall("rows", RowsChanged(gone={"user_token": json.dumps([[lost.json["name"]]])}))
-        served.web.command(call)
-        assert call.answer.accepted
         with pytest.raises(ConnectionClosed) as closed:
             exhausted(ends)
         assert closed.value.rcvd.code == TALKS
@@ -93,6 +89,13 @@ def test_a_token_that_is_revoked_ends_what_its_own_client_opened_and_nothing_els
             goes_on.recv(timeout=HANG_S)
     assert served.ask("POST", "/estop/reset", headers=as_lost).status == 401
     assert served.ask("POST", "/estop/reset", headers=as_kept).status == 200
+
+
+def test_a_token_that_is_added_by_hand_counts_at_once(served):
+    shown = {"Authorization": f"Bearer {tokens.Token(name='plotter', secret=SECRET, fingerprint=FINGERPRINT)}"}
+    assert served.ask("POST", "/estop/reset", headers=shown).status == 401
+    served.stage.given = (*served.stage.given, LanUser(name="plotter", role="operate", secret=SECRET, hash=HASH))
+    until(lambda: served.ask("POST", "/estop/reset", headers=shown).status == 200)
 
 
 def test_it_gives_a_cookie_that_looks_and_does_nothing_else(served):
