@@ -75,7 +75,8 @@ def _what_is_over(state: State, trouble: Reason | None, now: float) -> tuple[End
         return "fault", trouble
     goal = lease.motion.goal
     if goal is not None and (ended := goals.ending(goal, state.settings, now)):
-        return ended
+        slowed = Reason(state.limited.code, f"{state.limited.text}, and so slow it does not move")
+        return (ended[0], slowed) if ended[1].code == "stuck" and state.limited.direction is not None else ended
     worn = _worn_out(state, lease, now) if lease.motion.power > 0.0 else None
     return ("stopped", worn) if worn else None
 

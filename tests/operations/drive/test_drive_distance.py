@@ -109,6 +109,18 @@ def test_what_ends_a_distance_is_a_fault_with_a_sentence(body, how, code, about)
     assert not body.drive(**command, lease=reply.lease).accepted
 
 
+def test_wheels_too_slow_to_move_before_an_obstacle_are_told_by_the_obstacle(body):
+    reply, command = driving(body, ticks=10)
+    body.see(forward=0.4)
+    go_on(body, reply, command, 5)
+    body.odometry.update(stalled=True)
+    go_on(body, reply, command, 60)
+    (result,) = body.results
+    assert (result.result, result.code) == ("fault", "obstacle")
+    assert "forward" in result.reason
+    assert body.wheels == STILL
+
+
 def test_slipping_wheels_are_told_once_and_the_way_goes_on(body):
     body.odometry = {"slipping": True}
     driving(body)
