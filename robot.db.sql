@@ -106,7 +106,7 @@ CREATE TABLE verb (
 ) STRICT;
 
 -- Programs that the console starts by name, without a shell. `arguments` has an entry for each word after the name; the
--- last words may be left out. An entry is a list of the allowed words, such as ["left", "right"], or a regular
+-- last words may be left out. An entry is a list of the allowed words, such as ["left", "right"]. Or it is a regular
 -- expression for the whole word, such as "[0-9]{1,3}". A word that begins with '-' must be in a list.
 CREATE TABLE external_command (
     robot     TEXT    NOT NULL,  -- its robot

@@ -254,8 +254,8 @@ def _no_verb(row: "ExternalCommandRow", others: Others) -> Iterator[Fault]:
 
 class ExternalCommandRow(Row, frozen=True, kw_only=True):
     """Programs that the console starts by name, without a shell. `arguments` has an entry for each word after the name; the
-    last words may be left out. An entry is a list of the allowed words, such as ["left", "right"], or a regular expression for
-    the whole word, such as "[0-9]{1,3}". A word that begins with '-' must be in a list."""
+    last words may be left out. An entry is a list of the allowed words, such as ["left", "right"]. Or it is a regular expression
+    for the whole word, such as "[0-9]{1,3}". A word that begins with '-' must be in a list."""
 
     TABLE = "external_command"
     KEY = ("name",)

@@ -1,7 +1,7 @@
 """The common part of drivers of servo buses: settings, kind, the gate for setpoints, torque, guard, slow release.
 
-Most servos report their torque, goal and limits. Their driver has three things in a package of its own: the bus, the
-units of its numbers, and a program that releases the servos after its death.
+Most servos report their torque, goal and limits. The package of their driver has the bus, the units of its numbers, and
+a program that releases the servos after its death.
 
     class StsSettings(ServosSettings, frozen=True, kw_only=True, forbid_unknown_fields=True):
         on_estop: Literal["hold", "release"] = "hold"

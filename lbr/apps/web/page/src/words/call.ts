@@ -20,7 +20,7 @@ export const call = {
   "call.webrtc": ["Live, with sound", "Live, mit Ton"],
   "call.webrtc.watch": ["Live, without sound", "Live, ohne Ton"],
   "call.mjpeg": ["Picture without sound (MJPEG)", "Bild ohne Ton (MJPEG)"],
-  "call.mjpeg.why": ["No call is to be had: {reason}. The picture comes as MJPEG, without sound.", "Kein Anruf möglich: {reason}. Das Bild kommt als MJPEG, ohne Ton."],
+  "call.mjpeg.why": ["No call is possible: {reason}. The picture comes as MJPEG, without sound.", "Kein Anruf möglich: {reason}. Das Bild kommt als MJPEG, ohne Ton."],
   "call.ended": ["The call is over: {reason}", "Der Anruf ist vorbei: {reason}"],
   "call.lost": ["the connection to the robot is lost", "die Verbindung zum Roboter ist weg"],
   "call.browser": ["this browser has no WebRTC", "dieser Browser kann kein WebRTC"],

@@ -43,7 +43,7 @@ export const codes = {
   "code.changed": ["Another changed it meanwhile", "Inzwischen von anderer Hand geändert"],
   "code.exists": ["There is one already", "Das gibt es schon"],
   "code.check": ["A check of your own said no", "Eine eigene Prüfung sagte nein"],
-  "code.not_followed": ["It does not do as it is told", "Es folgt nicht"],
+  "code.not_followed": ["It does not follow its command", "Es folgt nicht"],
   "code.wiring": ["Not wired", "Nicht verdrahtet"],
   "code.timeout": ["No answer in time", "Keine rechtzeitige Antwort"],
   "code.failed": ["It went wrong", "Es ging schief"],

@@ -81,6 +81,6 @@ export const drive = {
   "range.over_range": ["nothing near", "nichts nahe"],
   "range.invalid": ["no valid reading", "kein gültiger Wert"],
   "range.missing": ["does not answer", "antwortet nicht"],
-  "range.absent": ["none there", "keiner da"],
+  "range.absent": ["not fitted", "nicht eingebaut"],
   "drive.reached": ["Done: {reason}", "Fertig: {reason}"],
 } as const;

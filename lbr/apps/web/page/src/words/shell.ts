@@ -89,7 +89,7 @@ export const shell = {
   "settings.you": ["You", "Sie"],
   "settings.about": ["lbr {version}, robot {robot}", "lbr {version}, Roboter {robot}"],
   "age.stale": ["{age} old", "{age} alt"],
-  "age.never": ["not heard yet", "noch nichts gehört"],
+  "age.never": ["nothing received yet", "noch nichts empfangen"],
   "refused.no_torque": ["Joints are off.", "Gelenke sind aus."],
   "refused.latched": ["A joint switched itself off.", "Ein Gelenk hat sich abgeschaltet."],
   "refused.estop": ["Emergency stop is pressed.", "Notstopp ist gedrückt."],
