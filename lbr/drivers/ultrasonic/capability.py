@@ -16,7 +16,7 @@ from lbr.messages.sensing import Ranges, ranges
 
 REPORT_PERIOD_S = 5.0
 LOOKS_HZ = 100.0
-BEFORE_SHARE, BEFORE_MOST_S, SLOWER = 0.8, 0.1, 1.1
+BEFORE_SHARE, RESTING_SHARE, BEFORE_MOST_S, SLOWER = 0.8, 0.95, 0.1, 1.1
 """The driver polls again after this share of the usual period, which grows by the factor `SLOWER` at most."""
 RESTS_AFTER_S, RESTING_S = 1.0, 0.45
 """After a second without a change, before a standing base that nobody holds, frames are published at long periods."""
@@ -88,7 +88,8 @@ class UltrasonicRing(Capability[UltrasonicSettings]):
         now = self.ctx.clock()
         if has_frame:
             self._usual_s, self._frame_at = min(now - self._frame_at, SLOWER * self._usual_s), now
-            self._next = now + min(BEFORE_SHARE * self._usual_s, BEFORE_MOST_S)
+            share = RESTING_SHARE if self._rests else BEFORE_SHARE
+            self._next = now + min(share * self._usual_s, BEFORE_MOST_S)
         self.rate_hz = 1 / max(self._next - now, 1 / LOOKS_HZ)
 
     def _tell_state(self) -> None:
