@@ -1,6 +1,7 @@
 """Joints and motions in a browser: what a hand on the page moves, what is asked before the robot falls, what is red."""
 
 import json
+import re
 from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from typing import Any
@@ -229,7 +230,7 @@ def test_a_refusal_has_the_button_that_mends_it(opened, robot):
 def test_a_motion_is_played_and_ended_and_moves_no_button_away(opened, robot):
     page = opened("motions", PHONE)
     place = "document.querySelector('.motions-list').offsetTop"
-    page.locator(".motions-list").wait_for()
+    page.get_by_role("radio", name="Build").wait_for()
     stands = page.evaluate(place)
     page.get_by_role("button", name="Play wave", exact=True).click()
     assert within(page, lambda: robot.held)
@@ -240,6 +241,26 @@ def test_a_motion_is_played_and_ended_and_moves_no_button_away(opened, robot):
     assert page.evaluate(place) == stands
     page.get_by_role("button", name="End it").click()
     assert within(page, lambda: not robot.playing)
+
+
+def test_a_motion_goes_on_in_another_view_and_its_end_is_told_once(opened, robot):
+    page = opened("joints", PHONE, "localStorage.setItem('lbr.solid', 'false')")
+    page.get_by_role("button", name="wave", exact=True).click()
+    assert within(page, lambda: robot.playing == "wave")
+    page.evaluate("location.hash = 'motions'")
+    page.get_by_role("button", name="End it").click()
+    assert within(page, lambda: not robot.playing)
+    expect(page.locator(".notice")).to_have_text(re.compile("^Stopped"))
+    expect(page.locator(".motions-why")).to_have_count(0)
+
+
+def test_a_robot_that_stands_is_not_asked_to_stand_up(opened, robot):
+    page = opened("joints", PHONE, "localStorage.setItem('lbr.solid', 'false')")
+    stand_up = page.get_by_role("button", name="stand up", exact=True)
+    expect(stand_up).to_be_disabled()
+    robot.angles |= {"left_knee": -2.0, "right_knee": -2.0}
+    robot.goals = dict(robot.angles)
+    expect(stand_up).to_be_enabled()
 
 
 def frame(duration_s: float = 0.6, **positions: float) -> dict[str, Any]:

@@ -5,7 +5,7 @@ import { told } from "./access";
 import { OLD, outdated } from "./build";
 import { heardTime, link, onHold, onLink, pace, send, silentMs, type HoldNews } from "./live";
 import { notice } from "./notices";
-import { t } from "./words";
+import { deedName, t } from "./words";
 
 export interface Holding { moving: boolean; to: string; holds: boolean; code: string; reason: string; holder: string }
 const RESTS: Holding = { moving: false, to: "", holds: false, code: "", reason: "", holder: "" };
@@ -157,7 +157,9 @@ function end(news: HoldNews): void {
   fade();
   takesOver.value = false;
   if (!once) return;
-  if (EXPECTED.has(news.code)) notice(t("drive.reached", { reason: news.reason }), "good");
+  const motion = (played?.message as { motion?: string } | undefined)?.motion;
+  if (EXPECTED.has(news.code) && motion?.startsWith("get_up_")) return; // whether it is up, its attitude tells
+  if (EXPECTED.has(news.code)) notice(t("drive.reached", { reason: motion ? deedName(motion) : news.reason }), "good");
   else if (news.code === "stopped") notice(t("stop.stopped"));
   else if (!SHOWN_ELSEWHERE.has(news.code)) notice(told(news), "warn", { code: news.code, about: state.value.to.split("/")[0] });
 }

@@ -3,7 +3,7 @@ import { computed, signal } from "@preact/signals";
 import { ask } from "./access";
 import { holding } from "./holding";
 import { status } from "./live";
-import { notice, withdraw } from "./notices";
+import { notice, toldLately, withdraw } from "./notices";
 import { t } from "./words";
 
 const pressed = signal(false);
@@ -28,6 +28,9 @@ export async function stop(): Promise<void> {
   if (answer.ok && !pressed.value) notice(t("stop.stopped"), "info");
   if (!answer.ok) notice(t("stop.failed", { reason: answer.reason }), "bad");
 }
+
+/** Whether the end of a motion is that of a stop which a notice has just told. */
+export const toldStop = (code = ""): boolean => code === "stopped" && toldLately(t("stop.stopped"));
 
 /** Latches the emergency stop. */
 export async function engage(): Promise<void> {

@@ -35,5 +35,8 @@ export function t(key: WordKey, values: Record<string, string | number> = {}): s
 /** A row's name as people read it: a side in the page's language, other names as they are. */
 export const named = (name: string): string => maybe(`side.${name}`) || plain(name);
 
+/** What a motion does, in the page's words where it has some: the names of rows are for tables and programs. */
+export const deedName = (motion: string): string => maybe(`motions.key.${motion}`) || plain(motion);
+
 /** The text for a key made at run time, such as a code; empty if the table has none. */
 export const maybe = (key: string): string => (key in TABLE ? t(key as WordKey) : "");

@@ -4,9 +4,8 @@ import { test } from "node:test";
 import { holding } from "../src/holding";
 import { connect, disconnect } from "../src/live";
 import { first } from "../src/views/drive/line";
-import { deedName } from "../src/views/motions/data";
 import { toneOf, torques } from "../src/views/joints/tone";
-import { learn } from "../src/words";
+import { deedName, learn } from "../src/words";
 import { motions } from "../src/words/motions";
 
 void kept;

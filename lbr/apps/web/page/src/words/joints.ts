@@ -1,6 +1,7 @@
 // Words of the views Joints and Motions: English, German.
 export const joints = {
   "joints.deeds": ["What it can do", "Was er kann"],
+  "joints.deeds.there": ["It does so already", "Das tut er schon"],
   "joints.deeds.all": ["All motions", "Alle Bewegungen"],
   "joints.none": ["This robot has no joints", "Dieser Roboter hat keine Gelenke"],
   "joints.nobody": ["There is no body to draw", "Es gibt keinen Körper zu zeichnen"],

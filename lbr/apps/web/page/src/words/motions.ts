@@ -20,6 +20,7 @@ export const motions = {
   "motions.key.initial": ["stand straight", "gerade stehen"],
   "motions.key.ready": ["bend the knees", "in die Knie gehen"],
   "motions.key.basic_motion": ["walking stance", "Gehstellung"],
+  "motions.key.basic_motion_down": ["stance, or a step back", "Stellung oder Schritt zurück"],
   "motions.key.walk_ready": ["walking stance", "Gehstellung"],
   "motions.key.wave": ["wave", "winken"],
   "motions.key.wave_both": ["wave with both hands", "mit beiden Händen winken"],

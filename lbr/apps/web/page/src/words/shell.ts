@@ -51,6 +51,7 @@ export const shell = {
   "fallen.back": ["It has fallen: it lies on its back", "Gestürzt: liegt auf dem Rücken"],
   "fallen.side": ["It has fallen: it lies on its side", "Gestürzt: liegt auf der Seite"],
   "fallen.rises": ["It gets up: keep clear", "Steht auf: Abstand halten"],
+  "fallen.not": ["It did not get up. Try again, or lift it.", "Kam nicht hoch. Noch einmal, oder aufheben."],
   "fallen.up": ["Get up", "Aufstehen"],
   "fallen.pick": ["Pick up", "Aufheben"],
   "stop.released": ["Emergency stop released", "Notstopp gelöst"],

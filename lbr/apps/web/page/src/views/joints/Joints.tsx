@@ -10,7 +10,7 @@ import { illness } from "../../lacking";
 import { useNews } from "../../news";
 import { toldLately } from "../../notices";
 import { command, may, robot } from "../../robot";
-import { estop } from "../../stopping";
+import { estop, toldStop } from "../../stopping";
 import { learn, t } from "../../words";
 import { joints as jointsWords } from "../../words/joints";
 import { motions as motionsWords } from "../../words/motions";
@@ -65,7 +65,7 @@ function Shown({ model }: { model: BodyModel }) {
 
   useEffect(() => { if (state) mover.seen(positions(state)); }, [state]);
   useEffect(() => holding.state.subscribe((now) => { if (!now.moving) mover.forget(); }), [mover]);
-  useEffect(() => () => { holding.release(); mover.forget(); }, [mover]);
+  useEffect(() => () => { if (!holding.state.value.to.endsWith("/play")) holding.release(); mover.forget(); }, [mover]); // what is played goes on in other views
 
   const aim = (joint: string, rad: number, held: boolean): boolean => {
     const range = model.joints[joint];
@@ -93,7 +93,7 @@ function Shown({ model }: { model: BodyModel }) {
   const owned = [...new Set(Object.values(joints?.owners ?? {}))];
   const sick = owned.map(illness).find(Boolean) ?? "";
   const now = state && !estop.value.engaged && !state.moving && (fresh || lost) ? whyNot(state) : "";
-  const why = sick || (toldLately(now) ? "" : now);
+  const why = sick || (toldLately(now) || toldStop(state?.code) ? "" : now);
   return (
     <div class="joints">
       <div class="joints-left">
@@ -104,7 +104,7 @@ function Shown({ model }: { model: BodyModel }) {
         {why && <div class="joints-why" role="status"><Icon name="info" /><p>{why}</p><Mend code={sick ? "unwell" : state!.code ?? ""} /></div>}
       </div>
       <div class="joints-right">
-        <Deeds said={why} />
+        <Deeds said={why} at={state ? positions(state) : {}} />
         <Torque names={names} model={model} joints={joints} onRecover={recover} />
         <Moving both={both} onBoth={setBoth} may={operates} pairs={names.some((name) => mirrored(name, names))} />
         <div class="joints-groups">

@@ -8,13 +8,13 @@ import { holding } from "../../holding";
 import { Badge, Button, Card, Empty, Field, Icon, Segments, Slider, Toggle } from "../../parts";
 import { capabilities, command, may, robot, streamOfType } from "../../robot";
 import { estop } from "../../stopping";
-import { learn, t } from "../../words";
+import { deedName, learn, t } from "../../words";
 import { motions as motionsWords } from "../../words/motions";
 import { joints as jointsWords } from "../../words/joints";
 import { ownerOf, useCalm } from "../joints/hooks";
 import { body, loadBody, type BodyModel } from "../joints/model";
 import { Builder } from "./Builder";
-import { buttons, deedName, hasPad, keycap, loadPoses, PAD, poses, Progress, rows, type ButtonRow, type MotionRow, type MotionsState } from "./data";
+import { buttons, endPlay, hasPad, keycap, loadPoses, PAD, poses, Progress, rows, type ButtonRow, type MotionRow, type MotionsState } from "./data";
 import { Figure } from "./Figure";
 import { Playing } from "./Playing";
 import "../joints/Joints.css";
@@ -47,10 +47,7 @@ export default function Motions() {
     const stored = row?.slot != null;
     holding.play(`${owner}/play`, { motion, times: times.value, ...(stored ? {} : { speed: speed.value, mirror: mirror.value }) });
   };
-  const end = (): void => {
-    holding.release();
-    void command(owner, "stop", { reason: "from the page" }, { quiet: true });
-  };
+  const end = (): void => endPlay(owner);
   const part = progress.part(state);
   if (all.length === 0 && !body.value?.links.length) return <Empty icon="motions" title={t("motions.none")} />;
   const own = all.filter((one) => one.slot == null);

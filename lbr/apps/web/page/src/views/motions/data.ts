@@ -1,8 +1,9 @@
 // The robot's motions as the page has them: rows of GET /api, and a picture of each.
 import { signal } from "@preact/signals";
-import { plain } from "../../format";
-import { fetchJson, robot } from "../../robot";
-import { maybe } from "../../words";
+import { holding } from "../../holding";
+import { notice } from "../../notices";
+import { command, fetchJson, robot } from "../../robot";
+import { t } from "../../words";
 
 export interface MotionRow { name: string; help: string; slot?: number | null; builtin?: boolean; frames?: number; duration_s?: number }
 export interface ButtonRow { id: number; name: string; button?: string; motion?: string }
@@ -38,8 +39,6 @@ export const buttons = (): ButtonRow[] => ((robot.value?.buttons ?? []) as unkno
 export const PAD = [["LR", "U", "RR"], ["L", "S", "R"], ["LA", "D", "RA"]] as const;
 const ARROWS: Record<string, string> = { U: "↑", D: "↓", L: "←", R: "→", LR: "⟲", RR: "⟳", S: "⇧", LA: "⇈", RA: "⇈⇈" };
 export const keycap = (button: string): string => ARROWS[button] ?? button;
-/** What a motion does, in the page's words where it has some: the names of rows are for tables and programs. */
-export const deedName = (motion: string): string => maybe(`motions.key.${motion}`) || plain(motion);
 /** Whether buttons are laid out as on a remote control. */
 export const hasPad = (all: ButtonRow[]): boolean => PAD.flat().filter((key) => all.some((one) => one.button === key)).length >= 4;
 
@@ -60,6 +59,38 @@ export class Progress {
     }
     return Math.min(1, Math.max(0, 1 - state.left_s / this.whole));
   }
+}
+
+/** Ends the motion that is played, whoever plays it. */
+export function endPlay(owner: string): void {
+  holding.release();
+  notice(t("stop.stopped"));
+  void command(owner, "stop", { reason: "from the page" }, { quiet: true });
+}
+
+/** In which pose motions end that go there and no further, by their names. */
+export const ends = signal<Record<string, Record<string, number>>>({});
+const GOES_THERE = /^(stand|reset$|sit)/;
+/** So far off the joints may be, in the mean: an arm elsewhere is no reason to stand up once more. */
+const THERE_RAD = 0.12;
+let endsOf = "";
+
+/** Loads where these motions end, once for each revision of the rows. */
+export async function loadEnds(all: MotionRow[], revision: string): Promise<void> {
+  if (endsOf === revision) return;
+  endsOf = revision;
+  ends.value = {};
+  for (const { name } of all.filter((one) => GOES_THERE.test(one.name))) {
+    const answer = await fetchJson<Motion>(`api/motion?motion=${encodeURIComponent(name)}`, { quiet: true });
+    if (endsOf !== revision) return;
+    if (answer.ok && answer.data) ends.value = { ...ends.value, [name]: Object.assign({}, ...answer.data.frames.map((one) => one.positions)) };
+  }
+}
+
+/** Whether the joints are where a motion ends already. */
+export function isThere(end: Record<string, number> | undefined, at: Record<string, number | null | undefined>): boolean {
+  const off = Object.entries(end ?? {}).map(([joint, rad]) => Math.abs((at[joint] ?? Infinity) - rad));
+  return off.length > 0 && off.reduce((sum, one) => sum + one, 0) / off.length < THERE_RAD;
 }
 
 /** What people ask of a humanoid first, in this order. */
