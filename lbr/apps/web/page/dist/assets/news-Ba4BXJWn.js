@@ -1,1 +1,0 @@
-import{U as e,V as t,z as n}from"./access-BQHRADkw.js";import{f as r}from"./index-9AYQEbQg.js";function i(i,a=r){let[o,s]=e(``),c=t(!1);return n(()=>{if(i===null)return;s(c.current?i:``),c.current=!0;let e=setTimeout(()=>s(``),a);return()=>clearTimeout(e)},[i]),!!i&&o===i}export{i as t};
