@@ -14,7 +14,7 @@ import { joints as jointsWords } from "../../words/joints";
 import { ownerOf, useCalm } from "../joints/hooks";
 import { body, loadBody, type BodyModel } from "../joints/model";
 import { Builder } from "./Builder";
-import { buttons, endPlay, hasPad, keycap, loadPoses, PAD, poses, Progress, rows, type ButtonRow, type MotionRow, type MotionsState } from "./data";
+import { buttons, endPlay, hasPad, keycap, loadPoses, ordered, PAD, poses, Progress, rows, type ButtonRow, type MotionRow, type MotionsState } from "./data";
 import { Figure } from "./Figure";
 import { Playing } from "./Playing";
 import "../joints/Joints.css";
@@ -79,7 +79,7 @@ export default function Motions() {
           {own.length < all.length && (speed.value !== 1 || mirror.value) && <p class="motions-hint">{t("motions.stored")}</p>}
         </Card>
         <ul class="motions-list">
-          {all.map((row) => <One key={row.name} row={row} model={body.value} cap={capOf(keys, row.name)} can={can} now={state?.playing && state.motion === row.name ? part : null} onPlay={() => play(row.name)} onStop={end} />)}
+          {ordered(all).map((row) => <One key={row.name} row={row} model={body.value} cap={capOf(keys, row.name)} can={can} now={state?.playing && state.motion === row.name ? part : null} onPlay={() => play(row.name)} onStop={end} />)}
         </ul>
       </div>
       <div class="motions-side">

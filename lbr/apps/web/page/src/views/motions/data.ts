@@ -97,10 +97,15 @@ export function isThere(end: Record<string, number> | undefined, at: Record<stri
 const FIRST = [/^stand/, /^reset$/, /^(wave|demo)/, /^walk.*(short|ahead|forward)/, /^sit/, /^dance/, /^turn/, /^(kick|bow)/, /^initial$/];
 const MOST = 5;
 
-/** The few motions that are offered beside the body: of each kind the quickest, then others; what gets it up is shown when it lies. */
-export function deeds(all: MotionRow[]): MotionRow[] {
+/** All motions: of each kind that people ask for the quickest, then others, and last what begins lying. */
+export function ordered(all: MotionRow[]): MotionRow[] {
   const quick = [...all].sort((a, b) => (a.duration_s ?? 0) - (b.duration_s ?? 0));
   const found = FIRST.flatMap((kind) => quick.find(({ name }) => kind.test(name)) ?? []);
-  const rest = all.filter((one) => !found.includes(one) && !one.name.startsWith("get_up_"));
-  return [...found, ...rest].slice(0, MOST);
+  const rest = all.filter((one) => !found.includes(one));
+  return [...found, ...rest.filter((one) => !lying(one)), ...rest.filter(lying)];
 }
+
+const lying = ({ name }: MotionRow): boolean => name.startsWith("get_up_");
+
+/** The few motions that are offered beside the body; what gets it up is shown when it lies. */
+export const deeds = (all: MotionRow[]): MotionRow[] => ordered(all).filter((one) => !lying(one)).slice(0, MOST);
