@@ -164,7 +164,7 @@ def test_what_floods_babbles_is_silent_goes_away_or_is_held_is_told_in_words_and
         says = {
             end("flood", b"\xff\xff\x01\xa5" * 4000, every_s=0.0005): "that no driver here knows",
             end("babble", b"Boot v1.2\r\nready>\r\n", every_s=0.02): "that no driver here knows",
-            end("silent"): "says nothing",
+            end("silent"): "answers no question",
             end("leaves", hang_up=True): "went away",
             str(tmp_path / "absent"): "is missing",
         }

@@ -384,7 +384,7 @@ def test_torque_is_not_switched_before_it_is_known_who_has_any(bench):
     bench.restart()
     bench.run(0.1)
     for on in (True, False):
-        assert "still being looked for" in bench.torque("left_knee", on=on).reason
+        assert "the search for servos goes on" in bench.torque("left_knee", on=on).reason
 
 
 def test_a_driver_that_lost_its_line_lets_nothing_fall_when_it_is_back(bench, wording):
