@@ -463,7 +463,7 @@ class ProcessContext:
         )
         try:
             call.message = _read(name, request.payload, self._commands[name][1])
-            if name != EDITED:
+            if not isinstance(call.message, RowsChanged):
                 return [call]
             self._row_sets = edited(self._row_sets, (read.row for read in self.kind.reads), call.message)
             self._rows.clear()
