@@ -44,6 +44,7 @@ class Column:
     def __init__(self, field: msgspec.structs.FieldInfo) -> None:
         self.field = field
         self._type = field.type
+        self._alone = msgspec.defstruct("Alone", [("value", field.type)])  # any other type is read anew at each use
         self.info, self.extra, self.nullable = _bare(inspect.type_info(field.type))
         info = self.info
         self.is_flag = isinstance(info, inspect.BoolType)
@@ -73,9 +74,10 @@ class Column:
             raise WrongError(f"'{short(value)}' is neither 0 nor 1")
         plain = bool(value) if self.is_flag else self._json(value) if self.is_json else value
         try:
-            converted = msgspec.convert(plain, self._type)
+            converted = msgspec.convert({"value": plain}, self._alone).value
         except (msgspec.ValidationError, UnicodeError) as err:  # SQLite holds invalid text, too
-            raise WrongError(self._sentence(plain, str(err))) from None
+            complaint = str(err).replace("$.value", "$").removesuffix(" - at `$`")
+            raise WrongError(self._sentence(plain, complaint)) from None
         if isinstance(converted, float) and not math.isfinite(converted):
             raise WrongError(self._number(plain))
         if self.is_json and _texts(self.info) and any(map(text_fault, converted)):
@@ -218,9 +220,15 @@ def text_fault(text: str) -> str:
 
 def json_strictly(text: str) -> Any:
     """Decode JSON; doubled keys, NaN, numbers beyond 64 bits and half characters raise ValueError, too."""
-    value = json.loads(text, object_pairs_hook=_pairs, parse_constant=_constant, parse_float=_finite, parse_int=_short)
-    json.dumps(value, ensure_ascii=False).encode()
+    value = _strict().decode(text)
+    if "\\u" in text or not text.isascii():  # else it has no half character
+        json.dumps(value, ensure_ascii=False).encode()
     return value
+
+
+@cache
+def _strict() -> json.JSONDecoder:
+    return json.JSONDecoder(object_pairs_hook=_pairs, parse_constant=_constant, parse_float=_finite, parse_int=_short)
 
 
 def _pairs(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
