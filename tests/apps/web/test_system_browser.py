@@ -143,6 +143,19 @@ def test_what_people_ask_for_first_is_saved_with_what_restarts_and_taken_back(pa
     until(lambda: robot.capability("drive")["phase"] == "ready")
 
 
+def test_what_is_not_saved_yet_outlives_another_tab_until_it_is_thrown_away(page, robot):
+    page.get_by_role("radio", name="Settings").click()
+    kept = page.get_by_label("Distance kept, left")
+    before = kept.input_value()
+    kept.fill("0.44")
+    page.get_by_role("radio", name="Events").click()
+    expect(kept).to_have_count(0)
+    page.get_by_role("radio", name="Settings").click()
+    expect(kept).to_have_value("0.44")
+    page.get_by_role("button", name="Cancel").click()
+    expect(kept).to_have_value(before)
+
+
 def test_what_was_typed_outlives_a_row_that_is_deleted_and_a_robot_that_does_not_answer(page, robot):
     robot.edit("INSERT OR REPLACE INTO phrase (name, language, text) VALUES ('brief', 'en', 'old')")
     row(page, "phrase", "brief / en")

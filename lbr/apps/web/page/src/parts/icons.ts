@@ -43,6 +43,7 @@ export const ICONS = {
   pause: "M8.5 5v14M15.5 5v14",
   play: "M8 5l11 7-11 7z",
   save: "M12 4v11M7 10.5l5 5 5-5M5 20h14",
+  edit: "M4 20h3.8L19 8.8 15.2 5 4 16.2zM12.8 7.4l3.8 3.8",
   trash: "M5 7h14M10 7V4.5h4V7M7 7l1 12.5h8L17 7",
   plus: "M12 5v14M5 12h14",
   log: "M6 3.5h9l3.5 3.5v13.5H6zM9 11h6.5M9 14.5h6.5M9 18h4",

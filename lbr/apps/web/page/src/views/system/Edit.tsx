@@ -1,28 +1,37 @@
 // One row in a form: tried before it is written; what it touches is told, and what another wrote meanwhile.
-import { useMemo, useState } from "preact/hooks";
+import { useEffect, useMemo, useState } from "preact/hooks";
 import { told } from "../../access";
 import { plain } from "../../format";
 import { notice } from "../../notices";
 import { Badge, Button, Dialog } from "../../parts";
 import { t } from "../../words";
+import { drafts, keep } from "./drafts";
 import { Form, said } from "./Form";
 import { changeAll, nameOf, table as look, type Row, type Table } from "./manage";
 import { changes, fieldsOf, kept, problems, same, writtenSince, type FieldOf } from "./schema";
-import { effects, heard, useTrial, useUnsaved } from "./trial";
+import { effects, heard, useTrial } from "./trial";
 import { noteMade } from "./undo";
 
 const OF_ROBOT = ["model", "description", "owner"];
 
+/** By what a draft of a row is kept; a new row has none of its own. */
+export const draftOf = (of: Table, row: Row | null): string => `${of.table} ${row ? nameOf(of, row) : ""}`;
+
 export function Edit({ of, row, editable, onClose }: { of: Table; row: Row | null; editable: boolean; onClose: () => void }) {
-  const [before, setBefore] = useState<Row | null>(row);
-  const [now, edit] = useState<Row>(row ?? {});
+  const draft = draftOf(of, row);
+  const [before, setBefore] = useState<Row | null>(drafts.value[draft]?.before ?? row);
+  const [now, edit] = useState<Row>(drafts.value[draft]?.now ?? row ?? {});
   const [sure, beSure] = useState(false);
   const [theirs, setTheirs] = useState<Row>({});
   const fields = useMemo(() => withSettings(fieldsOf(of.schema), of, now), [of, now.name]);
   const local = problems(fields, now);
   const after = changes(before, now);
   const dirty = Object.keys(after).length > 0;
-  useUnsaved(dirty);
+  useEffect(() => keep(drafts, draft, dirty ? { before, now } : null), [before, now]);
+  const leave = (): void => {
+    keep(drafts, draft, null);
+    onClose();
+  };
   const [{ reply, refused }, tell] = useTrial([{ table: of.table, before, after }], dirty && local.size === 0 && editable);
   const name = before ? nameOf(of, before) : t("rows.new");
   const mine = (one: { table: string; row: string }): boolean => one.table === of.table && (before === null || one.row === of.key.map((column) => String(before[column])).join("/"));
@@ -36,7 +45,7 @@ export function Edit({ of, row, editable, onClose }: { of: Table; row: Row | nul
     if (answer.ok) {
       const called = before ? name : String(next?.[of.key[0] ?? ""] ?? "");
       noteMade(t(next === null ? "rows.deleted" : "rows.saved", { name: plain(called) }), plain(called), answer);
-      onClose();
+      leave();
       return;
     }
     tell(heard(answer));
@@ -45,7 +54,7 @@ export function Edit({ of, row, editable, onClose }: { of: Table; row: Row | nul
     const answer = await look(of.table);
     if (!answer.ok) { tell({ reply, refused: told(answer) }); return; }
     const there = answer.data?.data?.rows.find((one) => before !== null && of.key.every((column) => same(one[column], before[column])));
-    if (!there && !keep) { notice(t("rows.deleted", { name }), "warn"); onClose(); return; }
+    if (!there && !keep) { notice(t("rows.deleted", { name }), "warn"); leave(); return; }
     if (!there) { setTheirs({}); setBefore(null); return; }
     edit(keep ? kept(there, before!, after) : there);
     setTheirs(keep ? writtenSince(before!, there) : {});
@@ -60,7 +69,7 @@ export function Edit({ of, row, editable, onClose }: { of: Table; row: Row | nul
       title={own.length > 0 ? plain(name) : `${plain(of.table)}: ${name}`} open onClose={onClose}
       actions={editable ? (
         <>
-          <Button kind="quiet" onClick={onClose}>{t("dialog.cancel")}</Button>
+          <Button kind="quiet" onClick={leave}>{t("dialog.cancel")}</Button>
           <Button kind="primary" icon="save" disabled={!dirty || local.size > 0 || remote.length > 0} onClick={() => void send(after)}>{t("rows.save")}</Button>
         </>
       ) : undefined}

@@ -3,10 +3,11 @@ import { useEffect, useState } from "preact/hooks";
 import { plain } from "../../format";
 import { remember, remembered } from "../../kept";
 import { status } from "../../live";
-import { Button, Choice, Empty, Field } from "../../parts";
+import { Badge, Button, Choice, Empty, Field } from "../../parts";
 import { may } from "../../robot";
 import { t } from "../../words";
-import { Edit } from "./Edit";
+import { drafts } from "./drafts";
+import { draftOf, Edit } from "./Edit";
 import { nameOf, table as look, tables, type Row, type Table, type TableOf } from "./manage";
 import { same } from "./schema";
 
@@ -50,6 +51,7 @@ export function Rows() {
               <button type="button" class="row" onClick={() => open(row)}>
                 <strong>{found.table === "capability" ? plain(nameOf(found, row)) : nameOf(found, row)}</strong>
                 <span class="muted">{summary(found, row)}</span>
+                {draftOf(found, row) in drafts.value && <Badge tone="warn" icon="edit">{t("rows.draft")}</Badge>}
               </button>
             </li>
           ))}

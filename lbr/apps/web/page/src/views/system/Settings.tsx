@@ -8,11 +8,12 @@ import { may, robot } from "../../robot";
 import { PREFIX } from "../../stream";
 import { maybe, named, t } from "../../words";
 import { basicsOf, groupsOf, isShare, valueAt, withValue, type Basic, type Path, type Settings as Values } from "./basics";
+import { keep, typed, type Typed } from "./drafts";
 import { One, said } from "./Form";
 import { changeAll, table as look, type Row, type RowChange, type Table } from "./manage";
 import { Rows } from "./Rows";
 import { fieldsOf, helpOf, same, wrong as wrongOf, type FieldOf } from "./schema";
-import { effects, useTrial, useUnsaved } from "./trial";
+import { effects, useTrial } from "./trial";
 import { made, noteMade, undo } from "./undo";
 
 const AGAIN_MS = 2000;
@@ -47,13 +48,11 @@ function Saved() {
 }
 
 interface Part { row: Row; fields: FieldOf[] }
-interface Typed { basic: Basic; value: unknown }
 const keyOf = (part: string, path: Path): string => [part, ...path].join("/");
 
 function Basics() {
   const [capabilities, setCapabilities] = useState<Table | null>(null);
   const [robots, setRobots] = useState<Table | null>(null);
-  const [typed, type] = useState<Record<string, Typed>>({});
   const [asked, again] = useState(0);
   const revision = status.value?.revision;
   useEffect(() => {
@@ -76,11 +75,10 @@ function Basics() {
   const groups = [...groupsOf([...parts].flatMap(([name, { row, fields }]) => basicsOf(name, fields, row["settings"] as Values))), ...(names.length > 0 ? [{ group: "name", basics: names }] : [])];
   const editable = may("admin");
   const written = ({ part, path }: Basic): unknown => (part === "" ? own?.[String(path[0])] : valueAt(parts.get(part)?.fields ?? [], parts.get(part)?.row["settings"], path));
-  const all = Object.values(typed).filter(({ basic, value }) => !same(value, written(basic)));
+  const all = Object.values(typed.value).filter(({ basic, value }) => !same(value, written(basic)));
   const local = all.filter(({ basic, value }) => wrongOf(basic.field, value) !== null);
   const changes = changesOf(all, parts, own);
   const dirty = all.length > 0;
-  useUnsaved(dirty);
   const [{ reply, refused }, tell] = useTrial(changes, dirty && local.length === 0);
   const save = async (): Promise<void> => {
     const answer = await changeAll(changes, true, true);
@@ -90,12 +88,12 @@ function Basics() {
     noteMade(t("rows.saved", { name }), name, answer);
     setCapabilities((known) => known && after(known, changes));
     setRobots((known) => known && after(known, changes));
-    type({});
+    typed.value = {};
   };
   const field = (basic: Basic) => {
     const key = keyOf(basic.part, basic.path);
-    const value = key in typed ? typed[key]!.value : written(basic);
-    const put = (next: unknown): void => type({ ...typed, [key]: { basic, value: next } });
+    const value = key in typed.value ? typed.value[key]!.value : written(basic);
+    const put = (next: unknown): void => keep(typed, key, same(next, written(basic)) ? null : { basic, value: next });
     const problem = said(wrongOf(basic.field, value) ?? undefined);
     if (!isShare(basic.field)) return <One key={key} field={basic.field} label={basic.title} value={value} fixed={!editable} wrong={problem} onChange={put} />;
     const usual = basic.field.fallback;
@@ -129,7 +127,7 @@ function Basics() {
           <div aria-live="polite">
             {refused || reply?.reason ? <Badge tone="warn" icon="warn">{refused || reply?.reason}</Badge> : local.length > 0 ? <p class="muted">{t("rows.mend")}</p> : reply?.accepted && reply.touched ? <p>{effects(reply.touched)}</p> : <p class="muted">{t("rows.trying")}</p>}
           </div>
-          <Button kind="quiet" onClick={() => type({})}>{t("dialog.cancel")}</Button>
+          <Button kind="quiet" onClick={() => { typed.value = {}; }}>{t("dialog.cancel")}</Button>
           <Button kind="primary" icon="save" disabled={!editable || local.length > 0 || (reply !== null && !reply.accepted)} onClick={() => void save()}>{t("rows.save")}</Button>
         </div>
       )}
@@ -145,9 +143,9 @@ function shown({ part, path }: Basic, share: number): string {
 }
 
 /** What was typed, as one change for each row: only what was typed is another. */
-function changesOf(typed: Typed[], parts: Map<string, Part>, own: Row | undefined): RowChange[] {
+function changesOf(wanted: Typed[], parts: Map<string, Part>, own: Row | undefined): RowChange[] {
   const found = new Map<string, RowChange>();
-  for (const { basic: { part, path }, value } of typed) {
+  for (const { basic: { part, path }, value } of wanted) {
     if (part === "") {
       const column = String(path[0]);
       const known = found.get(part) ?? { table: "robot", before: { name: own?.["name"] }, after: {} };

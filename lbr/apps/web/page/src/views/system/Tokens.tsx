@@ -4,7 +4,7 @@ import { notice } from "../../notices";
 import { Badge, Button, Dialog, Empty } from "../../parts";
 import { ConnectPhone } from "../../phone";
 import { knows, may } from "../../robot";
-import { t } from "../../words";
+import { maybe, t } from "../../words";
 import { revoke, tokens, type Token } from "./manage";
 
 const AGAIN_MS = 3000;
@@ -41,7 +41,7 @@ export function Tokens() {
           {sorted.map((one) => (
             <li key={one.name} class="token">
               <div>
-                <p><strong>{one.name}</strong> <Badge tone={one.revoked_at ? "calm" : "good"}>{one.revoked_at ? t("tokens.out") : one.role}</Badge></p>
+                <p><strong>{one.name}</strong> <Badge tone={one.revoked_at ? "calm" : "good"}>{one.revoked_at ? t("tokens.out") : maybe(`tokens.may.${one.role}`) || one.role}</Badge></p>
                 <p class="muted">{t("tokens.made", { when: day(one.created_at), what: t(one.good_for === "bus" ? "tokens.bus" : one.good_for === "web" ? "tokens.web" : "tokens.both") })}{one.paired_from ? ` · ${one.paired_from}` : ""}{one.expires_at ? ` · ${t("tokens.until", { when: day(one.expires_at) })}` : ""}</p>
               </div>
               {!one.revoked_at && <Button kind="danger" onClick={() => ask(one.name)} label={`${t("tokens.revoke")}: ${one.name}`} icon="lock" />}

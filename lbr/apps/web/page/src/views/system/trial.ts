@@ -1,7 +1,6 @@
 // Changes that are tried before they are written: what they would touch, or what is wrong with them.
 import { useEffect, useRef, useState } from "preact/hooks";
 import { told, type Answer } from "../../access";
-import { unsaved } from "../../build";
 import { plain } from "../../format";
 import { link } from "../../live";
 import { t } from "../../words";
@@ -36,15 +35,6 @@ export function useTrial(changes: RowChange[], made: boolean): [Trial, (trial: T
     return () => { over = true; clearTimeout(timer); };
   }, [JSON.stringify(changes), made, asked]);
   return [trial, tell];
-}
-
-/** A form that is not saved yet: a page that is behind its robot is not loaded again while there is one. */
-export function useUnsaved(dirty: boolean): void {
-  useEffect(() => {
-    if (!dirty) return;
-    unsaved.add(1);
-    return () => unsaved.add(-1);
-  }, [dirty]);
 }
 
 /** What a change of rows starts, stops and restarts. */
