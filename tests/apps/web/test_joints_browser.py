@@ -210,6 +210,32 @@ def test_without_webgl_the_body_is_flat_whatever_was_chosen(opened, robot):
     expect(page.get_by_role("button", name="Show in 3D")).to_have_count(0)
 
 
+LIMB = "polygon[data-joint=left_elbow]"
+SEEN = """limb => {
+  for (const one of document.querySelectorAll(limb)) {
+    const box = one.getBoundingClientRect();
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    if (document.elementFromPoint(x, y)?.matches(limb)) return [x, y];
+  }
+}"""
+"""A point at which a limb is drawn, and no other over it."""
+
+
+def test_a_limb_of_the_flat_body_is_dragged_and_its_joint_goes_there(opened, robot):
+    page = opened("joints", DESK, f"{SOLID}; {NO_WEBGL}")
+    row = page.locator(".joints-row[data-joint=left_elbow]")
+    expect(row).to_have_attribute("data-tone", re.compile("near|held"), timeout=LONG_MS)
+    x, y = page.evaluate(SEEN, LIMB)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for step in (0.25, 0.5, 0.75, 1.0):
+        page.mouse.move(x + 60 * step, y - 20 * step)
+    assert within(page, lambda: positions(robot))
+    page.mouse.up()
+    assert {name for one in positions(robot) for name in one} == {"left_elbow"}
+    assert within(page, lambda: robot.holder is None)
+
+
 def test_a_refusal_has_the_button_that_mends_it(opened, robot):
     page = opened("motions", PHONE)
     robot.refusal = {"code": "no_torque", "reason": "18 joints have no torque: /torque/on first"}
@@ -352,6 +378,21 @@ def test_a_key_frame_is_dragged_to_another_time_and_those_behind_it_stay(buildin
     assert within(page, lambda: [one["duration_s"] for one in draft(page)] == [0.6, 0.9, 0.3])
     page.get_by_role("button", name="Undo").click()
     assert within(page, lambda: [one["duration_s"] for one in draft(page)] == [0.6, 0.6, 0.6])
+
+
+def test_the_last_key_frame_stays_under_the_pointer_that_drags_it(building):
+    page = building(DESK, STANDS)
+    knot = page.locator(".motions-knot").last
+    box = knot.bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for left in (40, 80, 120):
+        page.mouse.move(x - left, y)
+    assert within(page, lambda: abs((at := knot.bounding_box())["x"] + at["width"] / 2 - (x - 120)) < 8)
+    page.mouse.up()
+    assert draft(page)[-1]["duration_s"] < STANDS[-1]["duration_s"]
 
 
 @needs_mujoco

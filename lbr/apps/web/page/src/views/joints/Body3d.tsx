@@ -86,7 +86,7 @@ export function Body3d(props: Props) {
   useEffect(() => stage.current?.setDrag(drags), [drags, ready]);
 
   const outline = { model, streams, selected, onPick: props.onPick };
-  if (failed || !solid.value) return <Flat {...outline} failed={failed} />;
+  if (failed || !solid.value) return <Flat {...outline} failed={failed} {...(may ? { onDrag: props.onDrag, onDrop: props.onDrop } : {})} />;
   return (
     <div class="joints-stage" data-ready={ready}>
       <canvas ref={canvas} class="joints-canvas" role="img" aria-label={t("joints.body", { robot: model.robot })} />

@@ -10,10 +10,18 @@ type Point = [number, number];
 export interface From { yaw: number; pitch: number }
 export const THREE_QUARTERS: From = { yaw: 0.5, pitch: 0.18 };
 
-function seen([x, y, z]: Vec, { yaw, pitch }: From): Vec {
+/** A point as it is seen: to the right, up, and towards who looks. */
+export function seen([x, y, z]: Vec, { yaw, pitch }: From): Vec {
   const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
   const [ahead, left] = [cy * x + sy * y, -sy * x + cy * y];
   return [left, z * cp - ahead * sp, ahead * cp + z * sp];
+}
+
+/** The point that is seen there. */
+export function unseen([left, up, near]: Vec, { yaw, pitch }: From): Vec {
+  const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
+  const ahead = near * cp - up * sp;
+  return [cy * ahead - sy * left, sy * ahead + cy * left, up * cp + near * sp];
 }
 
 /** The convex outline of points, anticlockwise (Andrew). */

@@ -1,5 +1,5 @@
 // The body as a puppet: it takes the pose that it is given, and a limb that is dragged tells where it was put.
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { Button, Icon } from "../../parts";
 import { t } from "../../words";
 import { stageColours } from "../joints/Body3d";
@@ -40,20 +40,21 @@ export function Puppet(props: Props) {
       stage.current = null;
     };
   }, [model, solid.value]);
-  useEffect(() => {
+  const whole = useMemo(() => {
     const zero = Object.fromEntries(Object.entries(model.joints).map(([name, range]) => [name, Math.min(range.upper ?? 0, Math.max(range.lower ?? 0, 0))]));
-    stage.current?.setPose({ ...zero, ...pose }, {});
-  }, [pose, ready]);
+    return { ...zero, ...pose };
+  }, [model, pose]);
+  useEffect(() => stage.current?.setPose(whole, {}), [whole, ready]);
   useEffect(() => stage.current?.setTilt(tilt?.roll_rad ?? null, tilt?.pitch_rad ?? null), [tilt?.roll_rad, tilt?.pitch_rad, ready]);
   useEffect(() => stage.current?.select(selected), [selected, ready]);
   useEffect(() => stage.current?.setDrag(drags), [drags, ready]);
   const flat = failed || !solid.value;
   return (
     <div class="joints-stage motions-puppet" data-ready={ready || flat}>
-      {flat ? <Figure model={model} pose={pose} selected={selected} onPick={props.onPick} /> : <canvas ref={canvas} class="joints-canvas" role="img" aria-label={t("motions.puppet")} />}
+      {flat ? <Figure model={model} pose={whole} selected={selected} onPick={props.onPick} onDrag={drags ? props.onDrag : undefined} /> : <canvas ref={canvas} class="joints-canvas" role="img" aria-label={t("motions.puppet")} />}
       {live && <p class="motions-live"><Icon name="link" />{t("motions.live")}</p>}
       {flat && !failed && <div class="joints-stage-side"><Button kind="quiet" onClick={() => choose(true)}>{t("joints.solid")}</Button></div>}
-      <p class="joints-stage-hint">{t(flat ? "joints.flat" : tilt ? "motions.puppet.simulated" : live ? "motions.puppet.live" : "motions.puppet.hint")}</p>
+      <p class="joints-stage-hint">{t(flat ? (drags ? "joints.flat.drag" : "joints.flat") : tilt ? "motions.puppet.simulated" : live ? "motions.puppet.live" : "motions.puppet.hint")}</p>
     </div>
   );
 }
