@@ -23,6 +23,7 @@ from lbr.apps.web import routing
 from lbr.apps.web.contract import Contract, contract, response
 from lbr.apps.web.face import HTML, Client, Refused, Request, Route, refuse_unknown, refuse_without, text
 from lbr.apps.web.guards import CAME, Answering, Counts, Hosts, Limits, address_of, headers_of
+from lbr.apps.web.page.files import pack, takes_gzip
 from lbr.apps.web.routing import Path, asked_path
 
 LARGEST_BODY = 64 * 1024
@@ -169,6 +170,8 @@ class Endpoint(BaseRoute):
             answer = await self._answer(await self._gate.arguments(self, scope, receive))
         except Refused as err:
             answer = self.route.refused(err)
+        if scope["method"] == "GET" and takes_gzip(headers_of(scope).get("accept-encoding", "")):
+            pack(answer)
         await answer(scope, receive, send)
 
     async def _answer(self, arguments: Mapping[str, object]) -> Response:

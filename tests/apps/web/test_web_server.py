@@ -1,4 +1,5 @@
 import asyncio
+import gzip
 import select
 import socket
 import ssl
@@ -96,6 +97,17 @@ def test_pages_and_states_are_served(served):
     assert state["age_s"]["joints"] >= 0
     assert state["faces"] == {"plain": {"jobs": 0}}
     assert "server" not in served.ask("GET", "/").headers
+
+
+def test_a_large_answer_comes_compressed_to_who_takes_that_and_says_the_same(served):
+    plain = served.ask("GET", "/openapi.json")
+    packed = served.ask("GET", "/openapi.json", headers={"Accept-Encoding": "gzip"})
+    assert "content-encoding" not in plain.headers
+    assert packed.headers["content-encoding"] == "gzip"
+    assert int(packed.headers["content-length"]) == len(packed.body) < len(plain.body) / 2
+    assert gzip.decompress(packed.body) == plain.body
+    refused = served.ask("GET", "/openapi.json", headers={"Accept-Encoding": "gzip;q=0"})
+    assert refused.body == plain.body
 
 
 def test_what_there_is_not_is_told_as_express_does(served):

@@ -11,7 +11,7 @@ from importlib.resources.abc import Traversable
 import msgspec
 from starlette.responses import Response
 
-from lbr.apps.web.face import HTML, Face, Refused, Request, Route, declared, get
+from lbr.apps.web.face import HTML, JSON, Face, Refused, Request, Route, declared, get
 from lbr.apps.web.guards import SECURITY
 from lbr.apps.web.robot import Robot
 from lbr.messages.unreadable import UNREADABLE
@@ -149,12 +149,19 @@ def served(built_file: File, request: Request) -> Response:
     known = [tag.strip().removeprefix("W/") for tag in request.headers.get("if-none-match", "").split(",")]
     if built_file.tag in known:
         return Response(status_code=304, headers=headers)
-    if built_file.packed and _takes_gzip(request.headers.get("accept-encoding", "")):
+    if built_file.packed and takes_gzip(request.headers.get("accept-encoding", "")):
         return Response(built_file.packed, headers={**headers, "Content-Encoding": "gzip"}, media_type=built_file.media)
     return Response(built_file.content, headers=headers, media_type=built_file.media)
 
 
-def _takes_gzip(said: str) -> bool:
+def pack(answer: Response) -> None:
+    """Compress a large JSON response."""
+    if (answer.media_type or "").startswith(JSON) and len(answer.body) >= TOO_SMALL:
+        answer.body = gzip.compress(answer.body, 1, mtime=0)
+        answer.headers.update({"Content-Encoding": "gzip", "Content-Length": str(len(answer.body))})
+
+
+def takes_gzip(said: str) -> bool:
     """Return whether an `Accept-Encoding` allows gzip."""
     for part in said.lower().split(","):
         name, _, weight = part.partition(";")

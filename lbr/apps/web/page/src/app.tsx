@@ -6,6 +6,7 @@ import { unknown } from "./access";
 import { loadAgain, outdated } from "./build";
 import { Fallen } from "./fallen";
 import { Asked } from "./handover";
+import { remember } from "./kept";
 import { mends, unwell } from "./lacking";
 import { link } from "./live";
 import { Mend } from "./mend";
@@ -54,6 +55,7 @@ export function App() {
   const known = robot.value;
   const views = known ? VIEWS.filter((view) => view.shows(known)) : [];
   const view = views.find((one) => one.id === place.value) ?? views[0];
+  useEffect(() => { if (views[0]) remember("view", views[0].id); }, [views[0]?.id]);
   const signsIn = unknown.value && !known;
   return (
     <>
