@@ -1,12 +1,13 @@
 """The page in a browser, on a phone's screen and a desk's: what a hand on it moves, and what stops when the hand is off."""
 
 import re
+import time
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
-from tests.apps.web.page_robot import PageRobot, page_robot
+from tests.apps.web.page_robot import PageRobot, capability, outputs, page_robot
 from tests.support import browsers, needs
 from tests.support.browsers import within
 from tests.support.waiting import STOPS_S, until
@@ -321,6 +322,90 @@ def test_on_a_phone_nothing_lies_over_the_picture_but_what_is_meant_to(opened):
     for at, one in enumerate(boxes):
         for other in boxes[at + 1 :]:
             assert within(page, lambda pair=(one, other): page.evaluate(apart, list(pair)))
+
+
+def test_on_a_phone_the_surroundings_are_drawn_whole_above_what_drives(opened):
+    page = opened.page("phone")
+    page.get_by_role("radio", name="Surroundings").click()
+    drawn = page.locator(".drive-radar-large").bounding_box()
+    assert drawn is not None
+    assert drawn["height"] > 140
+    for other in (".drive-gauges", ".drive-why", ".drive-stick"):
+        box = page.locator(other).bounding_box()
+        assert box is not None
+        above, below = box["y"] + box["height"] <= drawn["y"] + 1, box["y"] >= drawn["y"] + drawn["height"] - 1
+        assert above or below, other
+
+
+def test_the_buttons_beside_a_table_that_runs_stay_while_it_moves_and_stands(opened, robot):
+    told = {
+        "table": "patrol",
+        "phase": "running",
+        "state": "Forward",
+        "reason": "",
+        "code": "",
+        "good": None,
+        "rows": [],
+    }
+    names, streams = robot.capabilities, robot.streams
+
+    def with_a_table():
+        moves = time.monotonic() % 0.6 < 0.3
+        found = streams()
+        found["drive/state"] |= {"moving": moves, "holder": "behaviour" if moves else None}
+        return found | {"behaviour/state": told}
+
+    robot.capabilities = [*names, capability("behaviour", "behaviour", "runs", outputs(state="BehaviourState"), {})]
+    robot.streams = with_a_table
+    try:
+        page = opened.page()
+        line = page.locator(".drive-why")
+        expect(line.get_by_role("button", name="Take over")).to_be_visible()
+        gone = page.evaluate(
+            """line => new Promise((done) => {
+              let gone = 0;
+              const looks = new MutationObserver((all) => { for (const one of all) gone += one.removedNodes.length + line.querySelectorAll(".drive-unseen").length; });
+              looks.observe(line, { childList: true, attributes: true, subtree: true });
+              setTimeout(() => { looks.disconnect(); done(gone); }, 2000);
+            })""",
+            line.element_handle(),
+        )
+        assert gone == 0
+    finally:
+        robot.capabilities, robot.streams = names, streams
+
+
+def test_a_code_for_a_phone_that_is_over_is_renewed_on_a_press(opened, robot):
+    codes = iter(["123456", "654321", "111222"])
+
+    def with_the_word(route):
+        told = robot.describe()
+        route.fulfill(
+            json=told | {"words": [*told["words"], {"word": "phone", "help": "", "role": "admin", "usage": "phone"}]}
+        )
+
+    def paired(route):
+        data = {
+            "digits": next(codes),
+            "good_for_s": 0.5,
+            "url": "https://192.168.1.20:50001/#pair",
+            "open": True,
+            "svg": "",
+            "fingerprint": "",
+        }
+        route.fulfill(json={"code": 0, "text": "", "data": data})
+
+    page = opened.page(path="/icon.svg")
+    page.route("**/api", with_the_word)
+    page.route("**/api/console", paired)
+    page.goto(page.url.replace("icon.svg", "#drive"))
+    page.get_by_role("button", name="Connect a phone").click()
+    dialog = page.get_by_role("dialog")
+    expect(dialog.get_by_text("123 456")).to_be_visible()
+    expect(dialog.get_by_text("The code was good for two minutes.")).to_be_visible()
+    expect(dialog.get_by_text("123 456")).to_have_count(0)
+    dialog.get_by_role("button", name="New code").click()
+    expect(dialog.get_by_text("654 321")).to_be_visible()
 
 
 def test_a_refusal_is_told_by_its_code_and_sentence_and_who_holds_it_can_be_followed(opened, robot):

@@ -25,6 +25,12 @@ export async function ask<T>(path: string, { method = "GET", body, quiet = false
 /** Codes too general for a person: the robot's sentence names the fault. */
 const VAGUE = new Set(["failed", "bad_value", "malformed", "unknown_name", "unknown_command", "not_possible", "busy", "check", "wiring", "exists", "changed", "limit"]);
 
+/** A state's sentence, which is English; in another language what its code means, and the sentence where that says too little. */
+export function inWords({ code = "", reason = "" }: { code?: string; reason?: string }): string {
+  const meant = language.value === "en" ? "" : maybe(`code.${code}`);
+  return meant && reason && !VAGUE.has(code) ? meant : [meant, reason].filter(Boolean).join(": ");
+}
+
 /** What a person reads of a refusal: the page's own sentence for its code, or else what the code means and the robot's sentence, which is in English and so is left out of another language where the code says enough. */
 export function told(answer: Pick<Answer, "code" | "reason">): string {
   const own = maybe(`refused.${answer.code}`);

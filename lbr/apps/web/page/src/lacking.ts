@@ -1,5 +1,6 @@
 // Whether parts of the robot are not well, and the list of what is to be mended, which opens over every view.
 import { computed, signal } from "@preact/signals";
+import { inWords } from "./access";
 import { status } from "./live";
 import type { CapabilityStatus } from "./messages";
 
@@ -13,4 +14,4 @@ export const ill = ({ phase }: Pick<CapabilityStatus, "phase">): boolean => phas
 export const unwell = computed(() => ((status.value?.uptime_s ?? 0) > SETTLED_S ? status.value!.capabilities.filter(ill) : []));
 
 /** Why a part is not well; empty where it is. */
-export const illness = (name: string): string => unwell.value.find((one) => one.name === name)?.reason ?? "";
+export const illness = (name: string): string => inWords(unwell.value.find((one) => one.name === name) ?? {});

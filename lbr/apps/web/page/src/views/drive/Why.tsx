@@ -2,7 +2,7 @@
 import type { Ref } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 
-import { told } from "../../access";
+import { inWords, told } from "../../access";
 import { illness, unwell } from "../../lacking";
 import { Mend } from "../../mend";
 import { notices } from "../../notices";
@@ -14,7 +14,7 @@ import type { BatteryState, DriveState } from "../../messages";
 import { useNews } from "../../news";
 import { Button, Icon, Stale, type IconName } from "../../parts";
 import { consoleLine, fetchJson, knows, may, robot, role, streamOfType } from "../../robot";
-import { language, maybe, t } from "../../words";
+import { maybe, t } from "../../words";
 import type { Run } from "../behaviours/data";
 import { first } from "./line";
 import { refused } from "./pilot";
@@ -44,7 +44,7 @@ export function Why({ from }: { from: string }) {
   const line = said({ drive, fresh, run, failed, charging, part });
   const mine = holding.state.value.moving;
   const [asks, ask] = useState(false);
-  const stands = !mine && !drive?.moving;
+  const stands = !mine && (!drive?.moving || runs(run));
   const why = useChain(asks && stands ? part : "", `${drive?.estop} ${drive?.code} ${holding.state.value.code}`);
   const [place, away] = useAway();
   const telling = line.tone !== "calm" || (line.text !== "" && line.code !== "unwell") || drive?.moving;
@@ -68,17 +68,16 @@ export function Why({ from }: { from: string }) {
   );
 }
 
-/** What holds a part, as the robot answers it; asked again whenever `now` is another. Null until it has answered, and of no part. */
+/** What holds a part, as the robot answers it; asked again whenever `now` is another; the last answer stays until then. Null until it has answered, and of no part. */
 function useChain(part: string, now: string): Chain | null {
-  const [heard, tell] = useState<{ of: string; chain: Chain } | null>(null);
-  const of = `${part} ${now}`;
+  const [heard, tell] = useState<{ part: string; chain: Chain } | null>(null);
   useEffect(() => {
-    if (!part) return undefined;
+    if (!part) { tell(null); return undefined; }
     let over = false;
-    void fetchJson<Chain>(`/api/why/${part}`).then((answer) => { if (!over && answer.ok && answer.data) tell({ of, chain: answer.data }); });
+    void fetchJson<Chain>(`/api/why/${part}`).then((answer) => { if (!over && answer.ok && answer.data) tell({ part, chain: answer.data }); });
     return () => { over = true; };
-  }, [of]);
-  return part && heard?.of === of ? heard.chain : null;
+  }, [part, now]);
+  return part && heard?.part === part ? heard.chain : null;
 }
 
 /** Whether the element is scrolled away. */
@@ -109,12 +108,12 @@ function said(all: Told): Line {
   const over = code !== "" && code !== "done" && !holds;
   switch (first(hand, drive, refused.value)) {
     case "limited":
-      return { tone: "warn", icon: "warn", head: t("drive.limited", { by: plain(drive!.limited_by!) }), text: drive!.reason };
+      return { tone: "warn", icon: "warn", head: t("drive.limited", { by: plain(drive!.limited_by!) }), text: inWords(drive!) };
     case "mine":
       return slow(pace.value) ?? { tone: "good", icon: "drive", head: t("drive.you"), text: goalOf(drive) ?? "" };
     case "other":
       if (isPart(drive!.holder) && runs(run)) return { ...running(run!), code: "held_by_part" };
-      return { tone: "calm", icon: "person", head: t("drive.holder", { holder: whose(drive!.holder ?? "?") }), text: goalOf(drive) ?? drive!.reason, code: isPart(drive!.holder) ? "held_by_part" : "held" };
+      return { tone: "calm", icon: "person", head: t("drive.holder", { holder: whose(drive!.holder ?? "?") }), text: goalOf(drive) ?? inWords(drive!), code: isPart(drive!.holder) ? "held_by_part" : "held" };
     case "ended": {
       const again = refused.value ? t("drive.again") : "";
       if (code === "stopped" && justStopped()) return again ? { tone: "warn", icon: "warn", head: again, text: "" } : rest({ ...all, fresh: false });
@@ -146,11 +145,11 @@ const heldBy = (holder: string | null | undefined): string => (holder ? t("drive
 
 function rest({ drive, fresh, run, failed, charging, part }: Told): Line {
   if (!drive) return { tone: "calm", icon: "info", head: t("age.never"), text: "" };
-  if (runs(run)) return running(run!);
-  if (failed) return { tone: "warn", icon: "warn", head: t("drive.run.failed", { table: plain(run!.table) }), text: run!.reason };
+  if (runs(run)) return { ...running(run!), code: "held_by_part" };
+  if (failed) return { tone: "warn", icon: "warn", head: t("drive.run.failed", { table: plain(run!.table) }), text: inWords(run!) };
   const ill = illness(part);
   if (ill) return { tone: "warn", icon: "warn", head: t("drive.unwell"), text: ill, code: "unwell" };
-  const text = fresh && drive.code && drive.code !== "idle" && !byHand(drive) ? reasonOf(drive) : "";
+  const text = fresh && drive.code && drive.code !== "idle" && !byHand(drive) ? inWords(drive) : "";
   const others = unwell.value.map((one) => plain(one.name)).join(", ");
   return {
     tone: "calm", icon: others ? "warn" : charging ? "bolt" : "check", head: t(charging ? "drive.charges" : "drive.ready"),
@@ -161,9 +160,6 @@ function rest({ drive, fresh, run, failed, charging, part }: Told): Line {
 const runs = (run: Run | null): boolean => run?.phase === "running" || run?.phase === "paused";
 const running = (run: Run): Line => ({ tone: "good", icon: "behaviours", head: plain(run.table), text: plain(run.state) });
 
-/** The robot's sentence, which is English; in another language what its code means. */
-const reasonOf = ({ code, reason }: DriveState): string => (language.value !== "en" && maybe(`code.${code}`)) || reason;
-
 /** This page stopped it a moment ago, and says so already. */
 const justStopped = (): boolean => notices.value.some((one) => one.text === t("stop.stopped"));
 
@@ -171,4 +167,4 @@ const justStopped = (): boolean => notices.value.some((one) => one.text === t("s
 const byHand = (drive: DriveState): boolean =>
   drive.code === "stopped" && (drive.stopped_s !== drive.halted_s || (drive.stopped_by ?? "").startsWith("web:"));
 
-const other = (drive: DriveState | null, fresh: boolean): string => (drive?.moving ? t("drive.holder", { holder: drive.holder ?? "?" }) : fresh ? drive?.reason ?? "" : "");
+const other = (drive: DriveState | null, fresh: boolean): string => (drive?.moving ? t("drive.holder", { holder: drive.holder ?? "?" }) : fresh ? inWords(drive ?? {}) : "");

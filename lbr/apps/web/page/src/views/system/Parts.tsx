@@ -1,6 +1,6 @@
 // The robot's parts, a line each: state, reason and load; opened: rates, events, log, and what an admin does to it.
 import { useEffect, useState } from "preact/hooks";
-import { told as told_ } from "../../access";
+import { inWords, told as told_ } from "../../access";
 import { age, number, plain } from "../../format";
 import { status } from "../../live";
 import type { CapabilityStatus } from "../../messages";
@@ -89,7 +89,7 @@ function Part({ part, open, onOpen, onRestart, onLog, onDisable }: PartProps) {
     <li class="part" data-tone={tone}>
       <div class="part-line">
         <h3 class="cut"><button type="button" aria-expanded={open} aria-controls={id} onClick={() => onOpen(!open)}>{plain(part.name)}</button></h3>
-        <p class="part-said">{part.reason || summary || part.kind}</p>
+        <p class="part-said">{inWords(part) || summary || part.kind}</p>
         <span class="part-load num"><Spark name={part.name} />{part.cpu_percent == null ? "" : `${number(part.cpu_percent)} %`}</span>
         <Badge tone={tone} icon={icon}>{maybe(`phase.${part.phase}`) || part.phase}</Badge>
       </div>
