@@ -1,1 +1,0 @@
-import{B as e,H as t,W as n}from"./access-COpnzeB1.js";import{p as r}from"./index-BkX5ZyFy.js";function i(i,a=r){let[o,s]=n(``),c=t(!1);return e(()=>{if(i===null)return;s(c.current?i:``),c.current=!0;let e=setTimeout(()=>s(``),a);return()=>clearTimeout(e)},[i]),!!i&&o===i}export{i as t};
