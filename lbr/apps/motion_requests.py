@@ -1,7 +1,7 @@
 """The requests by which components move a robot, with their messages and ports, and adopt a console line's motion."""
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from msgspec import Struct
 
@@ -58,7 +58,7 @@ def motion_requests(*names: str) -> MotionRequests:
     )
 
 
-def target_of(ctx: Context[Any], hold: Hold) -> LeaseTarget | None:
+def target_of(ctx: Context[Struct], hold: Hold) -> LeaseTarget | None:
     """Return the target that renews a console line's motion; None if this capability is not wired to its mover."""
     capability, command = hold.key.split("/")[-2:]
     motion, halt, kind = _COMMANDS.get(command, ("", "", ""))

@@ -56,10 +56,10 @@ def decode(data: bytes) -> Any:
     return _anything.decode(data)
 
 
-def decode_request(data: bytes) -> Any:
+def decode_request(data: bytes) -> object:
     """Return a request, any JSON, as plain data; raise MalformedError."""
     return _request.decode(data)
 
 
-_anything: Decoder[Any] = Decoder(Any)
-_request: Decoder[Any] = Decoder(Any, command=True)
+_anything: Decoder[object] = Decoder(Any)
+_request: Decoder[object] = Decoder(Any, command=True)

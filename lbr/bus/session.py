@@ -201,7 +201,7 @@ def _connect(endpoints: Sequence[str], timeout_s: float) -> dict[str, Any]:
     }
 
 
-def _open(settings: dict[str, Any], subject: str) -> Session:
+def _open(settings: dict[str, object], subject: str) -> Session:
     if _opened_by - {os.getpid()}:
         raise BusError(FORKED)
     _opened_by.add(os.getpid())

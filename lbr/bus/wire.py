@@ -79,7 +79,7 @@ on_callback_error: Callable[[BaseException], None] = _leave
 def direct(handle: Callable[[Any], None]) -> "zenoh.handlers.Callback[Any]":  # only the stub is generic
     """Run `handle` on Zenoh's own thread; it must only store and signal."""
 
-    def guarded(item: Any) -> None:
+    def guarded(item: object) -> None:
         try:
             handle(item)
         except BaseException as err:  # noqa: BLE001 - this thread's outermost frame
@@ -526,7 +526,7 @@ class ComputedReply:
 class StaticReply(ComputedReply):
     """A key whose every query gets the same document, which is made for the first one."""
 
-    def __init__(self, session: zenoh.Session, key: str, make: Callable[[], Any]) -> None:
+    def __init__(self, session: zenoh.Session, key: str, make: Callable[[], object]) -> None:
         super().__init__(session, key, functools.cache(lambda: msgspec.Raw(encode(make()))))
 
     def close(self) -> None:

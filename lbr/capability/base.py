@@ -1,17 +1,13 @@
 """The life of a capability: open, step, close. A subclass fills these in, and the runtime does the rest."""
 
-from typing import Generic, TypeVar
+from typing import Generic
 
-from msgspec import Struct
-
-from lbr.capability.context import Call, Context, Device
+from lbr.capability.context import Call, Context, Device, S_co
 from lbr.errors import DeviceError
 from lbr.messages.codes import Reason
 
-S = TypeVar("S", bound=Struct)
 
-
-class Capability(Generic[S]):
+class Capability(Generic[S_co]):
     """A driver, operation or app, running in a process of its own with everything it needs in `self.ctx`.
 
     The runtime calls `open` once, then `step` at `rate_hz` and whenever something arrived; every call on one thread. It
@@ -27,7 +23,7 @@ class Capability(Generic[S]):
     woken_by_streams: bool = True
     received_while_read: frozenset[str] = frozenset()
 
-    def __init__(self, ctx: Context[S]) -> None:
+    def __init__(self, ctx: Context[S_co]) -> None:
         self.ctx = ctx
 
     @property

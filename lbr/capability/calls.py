@@ -85,7 +85,7 @@ class BusCall:
 class Answers:
     """A question to several capabilities; complete once all have answered or their time is over."""
 
-    def __init__(self, questions: dict[str, Question], decoder: Decoder[Any]) -> None:
+    def __init__(self, questions: dict[str, Question], decoder: Decoder[object]) -> None:
         self._questions = questions
         self._decoder = decoder
 
@@ -95,7 +95,7 @@ class Answers:
             return None
         return {name: self._decode(question) for name, question in self._questions.items()}
 
-    def _decode(self, question: Question) -> Any:
+    def _decode(self, question: Question) -> object:
         try:
             return self._decoder.decode(question.replies[0].payload) if question.replies else None
         except MalformedError:

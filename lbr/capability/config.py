@@ -1,12 +1,11 @@
 """The one document that a capability's process gets at its start: settings, wiring, devices, rows."""
 
-from typing import Any
-
 from msgspec import Raw, Struct
 
 from lbr.bus.access import Credentials
 from lbr.messages.codes import ReasonCode
 from lbr.messages.rows import RowSet
+from lbr.messages.schema import JsonObject
 from lbr.messages.system import EstopState
 
 NOTHING = Raw(b"null")
@@ -36,7 +35,7 @@ class DeviceConfig(Struct, frozen=True, kw_only=True):
     name: str
     type: str
     address: str
-    settings: dict[str, Any] = {}
+    settings: JsonObject = {}
 
 
 class ProcessConfig(Struct, frozen=True, kw_only=True):

@@ -10,6 +10,7 @@ from lbr.capability.tap import Tap
 from lbr.leases.client import PendingReply
 from lbr.messages.codes import Code, Reason
 from lbr.messages.rows import Row
+from lbr.messages.schema import JsonObject
 from lbr.messages.system import Stamp
 
 R = TypeVar("R", bound=Row)
@@ -83,7 +84,7 @@ class Device:
     name: str
     type: str
     address: str
-    settings: dict[str, Any]
+    settings: JsonObject
     tap: Tap = field(default_factory=Tap, compare=False, repr=False)
 
 
@@ -169,7 +170,7 @@ class Context(Protocol[S_co]):
         text: str,
         *,
         level: str = "info",
-        data: dict[str, Any] | None = None,
+        data: JsonObject | None = None,
         code: str = "",
         about: str = "",
     ) -> None:

@@ -5,7 +5,7 @@ import importlib.util
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, Protocol, TypeVar
+from typing import Literal, Protocol, TypeVar
 
 import msgspec
 from msgspec import Struct
@@ -18,6 +18,7 @@ from lbr.capability.word import Word
 from lbr.errors import LbrError
 from lbr.messages.camera import JpegFrame
 from lbr.messages.rows import Row
+from lbr.messages.schema import JsonObject
 from lbr.messages.system import Role
 
 STOP = "stop"
@@ -207,7 +208,7 @@ class Kind:
         """Return the least role that a command needs of a sender on another machine. Anybody may stop."""
         return "view" if command == STOP else self.command(command).role
 
-    def schema(self, name: str, message: type[Struct]) -> dict[str, Any]:
+    def schema(self, name: str, message: type[Struct]) -> JsonObject:
         """Return the JSON Schema of a message; for a command, with the least role of a sender on another machine."""
         if message is JpegFrame:
             return {"title": message.__name__, "description": message.__doc__, "contentMediaType": "image/jpeg"}
@@ -223,9 +224,10 @@ class Kind:
                 return ""
         return f"'{self.needs.package}' is not installed: pip install 'lbr[{self.needs.extra}]'"
 
-    def parse(self, settings: str | bytes) -> Any:
+    def parse(self, settings: str | bytes) -> Struct:
         """Return the settings of a row, checked; raise msgspec.MsgspecError naming the field."""
-        return decoded(settings, self.settings)
+        parsed: Struct = decoded(settings, self.settings)
+        return parsed
 
     def load(self) -> type:
         """Import and return the class that runs; raise KindError with the kind, its entry, and the faulty line."""

@@ -8,7 +8,8 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from math import inf
 from pathlib import Path
-from typing import Any
+
+from msgspec import Struct
 
 from lbr.capability import leaving, registry
 from lbr.capability.base import Capability
@@ -108,7 +109,7 @@ class Loop:
         self._wake = Wake()
         self._woken = wake or self._wake.set
         self._stopping = False
-        self._capability: Capability[Any] | None = None
+        self._capability: Capability[Struct] | None = None
         self._suspended = Suspended()
         self._report_at = 0.0
         self._settled = False
@@ -152,7 +153,7 @@ class Loop:
         self._ctx.close()
 
     @property
-    def capability(self) -> Capability[Any] | None:
+    def capability(self) -> Capability[Struct] | None:
         """Return the capability that runs here; None before it has begun."""
         return self._capability
 
@@ -197,7 +198,7 @@ class Loop:
             ctx.warn(self._lost)
             return self._wait_degraded(ctx, capability)
 
-    def _open_it(self, ctx: ProcessContext, capability: Capability[Any]) -> None:
+    def _open_it(self, ctx: ProcessContext, capability: Capability[Struct]) -> None:
         self._reported = self._reporter.reported
         capability.open()
         if not self._settled:
@@ -206,7 +207,7 @@ class Loop:
         self._open = self._begins = True
         self._opened_s = self._due = ctx.clock()
 
-    def _tick(self, ctx: ProcessContext, capability: Capability[Any]) -> float:
+    def _tick(self, ctx: ProcessContext, capability: Capability[Struct]) -> float:
         """Do one round; a capability is ready once it has stepped, its device answers, and it lacks nothing."""
         period = 1.0 / capability.rate_hz
         now = ctx.clock()
@@ -223,7 +224,7 @@ class Loop:
         self._due = min(self._due, now + 1.0 / capability.rate_hz)  # its rate may have risen because it began something
         return self._due
 
-    def _round(self, ctx: ProcessContext, capability: Capability[Any]) -> None:
+    def _round(self, ctx: ProcessContext, capability: Capability[Struct]) -> None:
         if slept_s := self._suspended.for_s():
             capability.woke(slept_s)
         for call in ctx.calls():
@@ -235,7 +236,7 @@ class Loop:
             self._keep_house(ctx)
 
     @staticmethod
-    def _command(capability: Capability[Any], call: BusCall) -> None:
+    def _command(capability: Capability[Struct], call: BusCall) -> None:
         """Have a command answered. An exception becomes the answer, and ends this process, or its device's session."""
         try:
             capability.command(call)
@@ -256,7 +257,7 @@ class Loop:
             ctx.drop_unread()
         self._garbage.collect(now)
 
-    def _wait_degraded(self, ctx: ProcessContext, capability: Capability[Any]) -> float:
+    def _wait_degraded(self, ctx: ProcessContext, capability: Capability[Struct]) -> float:
         """Refuse commands while the device is away."""
         now = ctx.clock()
         if now >= self._report_at:

@@ -30,6 +30,7 @@ from lbr.messages.camera import JpegFrame
 from lbr.messages.codes import Code, Reason
 from lbr.messages.leases import CommandReply, refused
 from lbr.messages.rows import Row, RowsChanged, RowSet, by_table, changes, edited, with_rows
+from lbr.messages.schema import JsonObject
 from lbr.messages.system import EstopRequest, Event
 from lbr.messages.unreadable import UNREADABLE
 
@@ -175,7 +176,7 @@ class ProcessContext:
         self.robot = config.robot
         self.name = config.name
         self.simulated = config.simulated
-        self.settings = kind.parse(config.settings)
+        self.settings: Any = kind.parse(config.settings)
         self.home = config.home
         self._row_sets: Mapping[str, RowSet] = config.rows
         self._rows: dict[type[Row], tuple[Row, ...]] = {}
@@ -357,7 +358,7 @@ class ProcessContext:
         text: str,
         *,
         level: str = "info",
-        data: dict[str, Any] | None = None,
+        data: JsonObject | None = None,
         code: str = "",
         about: str = "",
     ) -> None:
@@ -508,7 +509,7 @@ def _read(name: str, payload: bytes, decoder: Decoder[Any]) -> Any:
         return decoder.decode(b"{}")
 
 
-def _decode(payload: bytes, decoder: Decoder[Any]) -> Any:
+def _decode(payload: bytes, decoder: Decoder[object]) -> object:
     if len(payload) > wire.MAX_COMMAND_BYTES:
         raise MalformedError(f"it may have {wire.MAX_COMMAND_BYTES} bytes, not {len(payload)}")
     return decoder.decode(payload or b"{}")

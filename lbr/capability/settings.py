@@ -29,7 +29,7 @@ def faults(kind: type[Struct], settings: object, at: str = "$") -> tuple[str, ..
     return ()
 
 
-def _of_fields(kind: type[Struct], settings: dict[str, Any], at: str) -> list[str]:
+def _of_fields(kind: type[Struct], settings: dict[str, object], at: str) -> list[str]:
     config = kind.__struct_config__
     if config.tag is not None or config.array_like:
         return []

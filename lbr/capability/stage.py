@@ -120,7 +120,7 @@ class Member:
     def __init__(self, loop: Loop, ctx: ProcessContext, reporter: StageReporter, opens_s: float) -> None:
         assert loop.capability is not None
         self.loop, self.ctx, self.reporter = loop, ctx, reporter
-        self.capability: Capability[Any] = loop.capability
+        self.capability: Capability[Struct] = loop.capability
         self.frozen = False
         self.woken = False
         self._opens_s = self._due_s = opens_s
@@ -166,7 +166,7 @@ class Stage:
         """Return all names that count as present, including those that are not on the stage."""
         return self.bus.names
 
-    def add(self, config: ProcessConfig, kind: Kind | None = None, phase_s: float = 0.0) -> Capability[Any]:
+    def add(self, config: ProcessConfig, kind: Kind | None = None, phase_s: float = 0.0) -> Capability[Struct]:
         """Add a capability, of an installed kind by default; it opens after `phase_s`."""
         for feeds in config.wiring.values():
             self._seals.update((feed.key, bytes.fromhex(feed.seal)) for feed in feeds)

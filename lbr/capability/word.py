@@ -1,7 +1,6 @@
 """Words that a kind adds to the console of each robot with a capability of it."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 from lbr.messages.system import Role
 
@@ -18,6 +17,6 @@ class Word:
     pattern: str
     command: str
     help: str
-    fixed: dict[str, Any] = field(default_factory=dict)
+    fixed: dict[str, object] = field(default_factory=dict)
     role: Role = "view"
     executive: bool = False

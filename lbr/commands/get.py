@@ -18,6 +18,7 @@ from lbr.database.rows import CapabilityRow
 from lbr.errors import InputError, LbrError
 from lbr.messages.plain import one_line
 from lbr.messages.rows import short
+from lbr.messages.schema import JsonObject
 from lbr.names import near
 
 
@@ -64,7 +65,7 @@ def command(setting: str, robot: str | None, database: Path | None, as_json: boo
 def _of(row: CapabilityRow) -> Iterator[Setting]:
     """Yield a part's settings: those of its row, then its kind's defaults, unless the row's are invalid."""
     try:
-        in_row = msgspec.json.decode(row.settings, type=dict[str, Any])
+        in_row = msgspec.json.decode(row.settings, type=JsonObject)
     except (msgspec.MsgspecError, ValueError):
         in_row = {}
     try:

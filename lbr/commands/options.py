@@ -78,8 +78,8 @@ def robot_options(function: F) -> F:
     )
     @wraps(function)
     def with_whom(
-        *arguments: Any, robot: str | None, connect: str | None, token_file: Path | None, **others: Any
-    ) -> Any:
+        *arguments: object, robot: str | None, connect: str | None, token_file: Path | None, **others: object
+    ) -> object:
         return function(*arguments, whom=Whom(robot, connect, token_file), **others)
 
     return with_whom  # type: ignore[return-value]  # click calls it by names only

@@ -5,7 +5,6 @@ import time
 from collections.abc import Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
 
 import msgspec
 from msgspec import Struct
@@ -21,6 +20,7 @@ from lbr.drivers.gamepad.nodes import ANYWHERE, path_of
 from lbr.drivers.recognising import Found, Known
 from lbr.drivers.serial_line import holder, resolve
 from lbr.errors import DeviceError
+from lbr.messages.schema import JsonObject
 
 AT_ONCE = 16
 INPUT_TEXT = "an input device; no driver here takes it"
@@ -43,8 +43,8 @@ class Attached(Struct, frozen=True, kw_only=True):
     row: str = ""
     held: bool = False
     text: str = ""
-    settings: dict[str, Any] = {}
-    needs: list[tuple[str, dict[str, Any]]] = []
+    settings: JsonObject = {}
+    needs: list[tuple[str, JsonObject]] = []
     took_s: float = 0.0
 
 

@@ -4,7 +4,6 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
 
 import click
 import msgspec
@@ -204,7 +203,7 @@ def print_message(message: RawMessage, *, as_json: bool, raw: bool, named: bool)
     click.echo("---")
 
 
-def value_of(payload: bytes) -> Any:
+def value_of(payload: bytes) -> object:
     """Return the JSON of a payload; of a picture or other bytes, a description."""
     if pictures.is_whole(payload):
         return pictures.described(payload)

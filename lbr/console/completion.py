@@ -1,18 +1,18 @@
 """Completion of lines: words, then the fields with their values."""
 
 from collections.abc import Iterable, Iterator
-from typing import Any
 
 from prompt_toolkit.completion import CompleteEvent, Completer, Completion
 from prompt_toolkit.document import Document
 
 from lbr.console.verbs import OWN
+from lbr.messages.schema import JsonObject
 
 
 class LineCompleter(Completer):
     """Completes lines from the robot's entries, which may change while it runs."""
 
-    def __init__(self, entries: Iterable[dict[str, Any]] = ()) -> None:
+    def __init__(self, entries: Iterable[JsonObject] = ()) -> None:
         self.entries = list(entries)
 
     def get_completions(self, document: Document, complete_event: CompleteEvent) -> Iterable[Completion]:
@@ -70,13 +70,13 @@ class LineCompleter(Completer):
                     yield Completion(said, -len(start) if said else 0, display=shown, display_meta=meta)
 
 
-def _bare(entry: dict[str, Any], word: str, entries: Iterable[dict[str, Any]]) -> bool:
+def _bare(entry: JsonObject, word: str, entries: Iterable[JsonObject]) -> bool:
     """Return whether a word of lbr itself with one field may be typed with a space: `why drive`."""
     alone = any(one.get("pattern") == word and one.get("target") == entry["target"] for one in entries)
     return alone and entry.get("word") == word and entry.get("pattern", "").count("/") == 2
 
 
-def _next(entry: dict[str, Any], index: int, start: str) -> Iterator[tuple[str, str, str]]:
+def _next(entry: JsonObject, index: int, start: str) -> Iterator[tuple[str, str, str]]:
     """Yield the continuations at a field: the text to insert (empty for a hint), its display, and its meaning."""
     wanted = entry["pattern"].split("/")[2:]
     if index >= len(wanted):
@@ -94,7 +94,7 @@ def _next(entry: dict[str, Any], index: int, start: str) -> Iterator[tuple[str, 
 
 
 def _allowed(
-    field: dict[str, Any], choices: Iterable[object], start: str, entry: dict[str, Any]
+    field: JsonObject, choices: Iterable[object], start: str, entry: JsonObject
 ) -> Iterator[tuple[str, str, str]]:
     """Yield the choices of a field that begin so, or a hint if it has none."""
     for choice in choices:

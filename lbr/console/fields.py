@@ -104,7 +104,7 @@ class Field(Struct, frozen=True):
         quoted = text if _NUMBER.fullmatch(text) and len(text) < 20 else f"'{short(text)}'"
         return InputError(f"{self.word} is {self.allowed}, not {quoted}")
 
-    def _choice(self, text: str) -> Any:
+    def _choice(self, text: str) -> object:
         for value in self.schema["enum"]:
             if str(value).lower() == text.lower():
                 return value

@@ -4,7 +4,7 @@ import contextlib
 import threading
 import time
 from collections.abc import Callable
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
 from msgspec import Struct
 
@@ -23,6 +23,7 @@ from lbr.messages.drive import DriveState
 from lbr.messages.joints import JointsState
 from lbr.messages.motors import MotorsState
 from lbr.messages.power import PowerState
+from lbr.messages.schema import JsonObject
 from lbr.messages.sensing import Ranges
 from lbr.messages.system import ConsoleResult, EstopRequest, Event, Hold, Role, Status
 
@@ -125,7 +126,7 @@ class BusOperator:
             self._quiet_until = time.monotonic() + SETTLE_S
         return result
 
-    def words(self) -> list[dict[str, Any]]:
+    def words(self) -> list[JsonObject]:
         """Return the robot's words, for completion; empty if the robot does not answer."""
         try:
             data = self._submit("help", 0.0).data

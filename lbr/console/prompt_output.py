@@ -58,7 +58,7 @@ class PatientRenderer(Renderer):
         self._screen = screen
         self.late = False
 
-    def render(self, app: Application[Any], layout: Layout, is_done: bool = False) -> None:
+    def render(self, app: Application[object], layout: Layout, is_done: bool = False) -> None:
         """Draw, now or when there is room."""
         self.late = not (is_done or self._screen.free)
         if not self.late:

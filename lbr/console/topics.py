@@ -3,7 +3,6 @@
 import time
 from collections import Counter
 from collections.abc import Iterable
-from typing import Any
 
 import msgspec
 from msgspec import Struct
@@ -15,6 +14,7 @@ from lbr.bus.session import Session
 from lbr.console.fields import Field, properties
 from lbr.console.printable import listed, short
 from lbr.errors import BusError, InputError, MalformedError
+from lbr.messages.schema import JsonObject
 from lbr.messages.system import RANKS, EstopRequest, Event, Role, Status
 from lbr.names import near
 
@@ -31,7 +31,7 @@ class Topic(Struct, frozen=True, kw_only=True):
     role: str
     message: str
     rate_hz: float | None
-    json_schema: dict[str, Any]
+    json_schema: JsonObject
 
 
 def catalogue(bus: Session, robot: str, source: str) -> list[Topic]:

@@ -12,6 +12,7 @@ from lbr.console.printable import clean, listed, short
 from lbr.database import arguments, builtin, patterns
 from lbr.database.rows import BUILT_IN_VERBS, ExternalCommandRow, VerbRow
 from lbr.errors import InputError
+from lbr.messages.schema import JsonObject
 from lbr.messages.system import Role, higher
 from lbr.names import near
 
@@ -22,7 +23,7 @@ class VerbCall(Struct, frozen=True, kw_only=True):
     verb: VerbRow
     capability: str
     command: str
-    payload: dict[str, Any]
+    payload: JsonObject
 
 
 class ExternalCall(Struct, frozen=True, kw_only=True):
@@ -95,7 +96,7 @@ class Vocabulary:
         said = (verb.row for verb in self._verbs if verb.row.target == call.verb.target and not verb.pattern.fields)
         return next((row for row in said if row.payload == outright), None)
 
-    def entries(self, choices: Mapping[str, Iterable[str]] | None = None) -> list[dict[str, Any]]:
+    def entries(self, choices: Mapping[str, Iterable[str]] | None = None) -> list[JsonObject]:
         """Return the words as plain data, for completion.
 
         `choices` are the values of a target's first field, or of another one by `target.field`.
@@ -258,7 +259,7 @@ class _Verb:
         capability, command = self.row.target_end
         return VerbCall(verb=self.row, capability=capability, command=command, payload=payload)
 
-    def entry(self, known: Mapping[str, Iterable[str]]) -> dict[str, Any]:
+    def entry(self, known: Mapping[str, Iterable[str]]) -> JsonObject:
         """Return the row as plain data, with the values of each field."""
         row = self.row
         fields = [
@@ -267,7 +268,7 @@ class _Verb:
             if f
         ]
         choices = known.get(row.target)
-        said: dict[str, Any] = {"word": row.word, "pattern": row.pattern, "role": row.role, "help": row.help}
+        said: JsonObject = {"word": row.word, "pattern": row.pattern, "role": row.role, "help": row.help}
         said |= {"target": row.target, "fields": fields}
         return said | ({"choices": sorted(choices)} if choices is not None else {})
 

@@ -3,7 +3,6 @@
 import sqlite3
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
 
 from msgspec import Struct
 
@@ -13,9 +12,7 @@ from lbr.database.difference import Difference, changed_columns
 from lbr.database.reading import ROBOT, RawRow, RawTables
 from lbr.database.tables import WRITTEN_BY_LBR, Schema, read_tables
 from lbr.errors import InputError, RowError
-from lbr.messages.rows import short
-
-Key = tuple[Any, ...]
+from lbr.messages.rows import Key, short
 
 
 class Change(Struct, frozen=True):
@@ -147,6 +144,6 @@ def _by_key(tables: RawTables, table: str, schema: Schema) -> dict[Key, RawRow]:
     return {tuple(row[name] for name in schema.keys_of[table]): row for row in tables.get(table, ())}
 
 
-def _order(key: Key) -> tuple[tuple[bool, Any], ...]:
+def _order(key: Key) -> tuple[tuple[bool, object], ...]:
     """Return a sort key that orders keys as SQLite does, even keys that no column can hold."""
     return tuple((isinstance(part, str), 0 if part is None else part) for part in key)

@@ -30,7 +30,7 @@ def columns(row: type[Row]) -> Mapping[str, "Column"]:
     return {field.name: Column(field) for field in msgspec.structs.fields(row)}
 
 
-def raw(row: Row) -> dict[str, Any]:
+def raw(row: Row) -> dict[str, object]:
     """Return the values of a row for SQLite."""
     return {name: column.write(getattr(row, name)) for name, column in columns(type(row)).items()}
 
@@ -161,7 +161,7 @@ class Column:
             if "meant" in extra and not _fits(one, self._type, name)
         )
 
-    def _stand_in(self, field: msgspec.structs.FieldInfo) -> Any:
+    def _stand_in(self, field: msgspec.structs.FieldInfo) -> object:
         if field.default is not msgspec.NODEFAULT:
             return field.default
         if field.default_factory is not msgspec.NODEFAULT:
@@ -231,7 +231,7 @@ def _strict() -> json.JSONDecoder:
     return json.JSONDecoder(object_pairs_hook=_pairs, parse_constant=_constant, parse_float=_finite, parse_int=_short)
 
 
-def _pairs(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+def _pairs(pairs: list[tuple[str, object]]) -> dict[str, object]:
     found = dict(pairs)
     if len(found) < len(pairs):
         raise ValueError("a key stands twice in one object")

@@ -23,7 +23,7 @@ class Difference(Struct, frozen=True, kw_only=True):
         return f"{self.table} '{self.row}' {self.change}" + (f": {changes}" if changes else "")
 
 
-def changed_columns(table: str, before: RawRow, after: RawRow) -> dict[str, tuple[Any, Any]]:
+def changed_columns(table: str, before: RawRow, after: RawRow) -> dict[str, tuple[object, object]]:
     """Return the changed columns of a row, with old and new values; columns that lbr writes do not count."""
     return {
         column: (old, after.get(column))

@@ -15,11 +15,11 @@ from lbr.database.store import Database
 from lbr.database.tables import Schema
 from lbr.errors import InputError
 from lbr.messages.faces import EditCommand
-from lbr.messages.rows import Row, short
+from lbr.messages.rows import Key, Row, short
 from lbr.messages.unreadable import UNREADABLE
 
-Key = tuple[str, ...]
-RowKey = tuple[str, tuple[Any, ...]]
+KeyTexts = tuple[str, ...]
+RowKey = tuple[str, Key]
 """Table and key of a row of one robot."""
 MAKE_PROCESSES = {row.TABLE for row in CORE}
 """The tables of every robot: their rows choose the programs that run, and their rights. Edits of capabilities never
@@ -135,7 +135,7 @@ def _with_rows(
     part_of = {table: of_table[0].PART_OF for table, of_table in by_table.items()}
     changed = set(_changed(newer, robot, schema, part_of))
     existing = {table: _own(tables, of_table[0], robot) for table, of_table in by_table.items()}
-    written: set[tuple[str, Key]] = set()
+    written: set[tuple[str, KeyTexts]] = set()
     parts = _parts(rows)
     for row in rows:
         key = row.TABLE, _texts(row.key)
@@ -182,9 +182,9 @@ def _refuse(row: Row, existing: RawRow | None, create: bool | None, parts: Seque
         raise InputError(*why)
 
 
-def _parts(rows: Iterable[Row]) -> dict[tuple[str, Key], tuple[Row, ...]]:
+def _parts(rows: Iterable[Row]) -> dict[tuple[str, KeyTexts], tuple[Row, ...]]:
     """Return the parts of other rows, by those rows' tables and keys."""
-    parts: dict[tuple[str, Key], tuple[Row, ...]] = {}
+    parts: dict[tuple[str, KeyTexts], tuple[Row, ...]] = {}
     for row in rows:
         if row.PART_OF:
             whole = row.PART_OF, _texts(row.key[:1])
@@ -198,7 +198,7 @@ def _listed(tables: Iterable[str]) -> str:
 
 def _changed(
     newer: Iterable[RevisionRow], robot: str, schema: Schema, part_of: Mapping[str, str]
-) -> Iterator[tuple[str, Key]]:
+) -> Iterator[tuple[str, KeyTexts]]:
     """Yield table and key, without the robot, of changed rows; a part counts as its whole."""
     for row in newer:
         owned = "robot" in schema.get(row.table, ())
@@ -208,7 +208,7 @@ def _changed(
             yield (whole, own[:1]) if whole else (row.table, own)
 
 
-def _own(tables: RawTables, row: Row, robot: str) -> dict[Key, RawRow]:
+def _own(tables: RawTables, row: Row, robot: str) -> dict[KeyTexts, RawRow]:
     """Return the rows of a table, the robot's and shared ones, by their keys without the robot."""
     rows = (values for values in tables.get(row.TABLE, ()) if values.get("robot", robot) == robot)
     return {_texts(values.get(column) for column in row.KEY): values for values in rows}
@@ -219,5 +219,5 @@ def _owner(table: str, robot: str, schema: Schema) -> dict[str, str]:
     return {"robot": robot} if "robot" in schema[table] else {}
 
 
-def _texts(key: Iterable[object]) -> Key:
+def _texts(key: Iterable[object]) -> KeyTexts:
     return tuple(map(str, key))

@@ -7,7 +7,6 @@ import sqlite3
 import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from typing import Any
 
 from lbr.database import statements
 from lbr.errors import InputError
@@ -99,7 +98,7 @@ def _tables(connection: sqlite3.Connection) -> ForeignTables:
     connection.set_authorizer(_reading)
     made = connection.execute("SELECT name, sql FROM sqlite_master WHERE type = 'table'").fetchall()
     names = [name for name, sql in made if not str(sql).upper().startswith("CREATE VIRTUAL")]
-    tables: dict[str, list[dict[str, Any]]] = {}
+    tables: dict[str, list[dict[str, object]]] = {}
     room = MOST_ROWS
     for name in names:
         if name.startswith("sqlite_"):

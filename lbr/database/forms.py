@@ -14,7 +14,7 @@ from lbr.database.rows import CapabilityRow, ExternalCommandRow
 from lbr.database.tables import WRITTEN_BY_LBR, Schema
 from lbr.errors import InputError
 from lbr.messages.manage import RowChange
-from lbr.messages.rows import Row, short
+from lbr.messages.rows import Key, Row, short
 
 Classes = Mapping[str, type[Row]]
 NAMES_PROGRAMS = "names a program, and a page changes none: edit it with an SQLite client at the robot"
@@ -99,7 +99,7 @@ def _class_of(change: RowChange, schema: Schema, classes: Classes) -> type[Row]:
     return row
 
 
-def _key(row: type[Row], change: RowChange) -> tuple[Any, ...]:
+def _key(row: type[Row], change: RowChange) -> Key:
     """Return the key of the row to change. An existing row keeps its key."""
     before, after = change.before, change.after
     given: Mapping[str, Any] = before if before is not None else after or {}
@@ -161,7 +161,7 @@ def _defaults(row: type[Row]) -> dict[str, object]:
     return {name: one.write(one.stand_in) for name, one in columns(row).items() if not one.field.required}
 
 
-def _json_value(column: Column, value: object) -> Any:
+def _json_value(column: Column, value: object) -> object:
     if column.holds_json and isinstance(value, str):
         try:
             return json_strictly(value)
@@ -170,7 +170,7 @@ def _json_value(column: Column, value: object) -> Any:
     return bool(value) if column.is_flag and value in (0, 1) else value
 
 
-def _stored(column: Column, value: object) -> Any:
+def _stored(column: Column, value: object) -> object:
     """Return a value for SQLite. The check of all rows reports a bad value beside its column."""
     if column.holds_json and value is not None:
         return json.dumps(value, ensure_ascii=False)

@@ -129,7 +129,7 @@ def _row(text: str | None) -> dict[str, Any] | None:
     return {name: _as_text(value) for name, value in found.items()} if found is not None else None
 
 
-def _as_text(value: object) -> Any:
+def _as_text(value: object) -> object:
     if isinstance(value, dict | list):
         return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
     return value

@@ -3,7 +3,6 @@
 import os
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
 
 from lbr.database import claims
 from lbr.database.connection import Connection, pragma, transaction
@@ -104,7 +103,7 @@ class _Lent:
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
 
-    def __getattr__(self, name: str) -> Any:
+    def __getattr__(self, name: str) -> object:
         return getattr(self._connection, name)
 
     def commit(self) -> None:

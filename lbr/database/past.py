@@ -6,7 +6,7 @@ tables of now ──► undo the newer revisions, the newest first ──► tab
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime, timedelta
-from typing import Annotated, Any
+from typing import Annotated
 
 from msgspec import Meta, Struct
 
@@ -15,14 +15,13 @@ from lbr.database.reading import RawRow, RawTables
 from lbr.database.rows import RevisionRow
 from lbr.database.tables import Schema
 from lbr.errors import InputError
-from lbr.messages.rows import Row, short
+from lbr.messages.rows import Key, Row, short
 from lbr.messages.shapes import Shape
 
 TOGETHER = timedelta(seconds=0.5)
 """Revisions of another SQLite client that follow each other this closely are shown as one change."""
 ALIKE = 1e-14
 """SQLite writes 15 digits of a number into a revision."""
-Key = tuple[Any, ...]
 
 
 class ChangeRow(Row, frozen=True, kw_only=True):
@@ -136,7 +135,7 @@ def _before(
     after: Mapping[str, object] | None,
     schema: Schema,
     of: RevisionRow,
-) -> Any:
+) -> object:
     """Return the former value of a column: exactly, if the row's change left it as it is."""
     unchanged = now is not None and after is not None and _alike(before.get(name), after.get(name, math.nan))
     if name in before and not unchanged:

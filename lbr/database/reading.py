@@ -40,7 +40,7 @@ class _Partial:
         self._row = row
         self._unread = unread
 
-    def __getattr__(self, name: str) -> Any:
+    def __getattr__(self, name: str) -> object:
         if name in self._unread or (name == "key" and not self._unread.isdisjoint(self._row.KEY)):
             raise _UnreadError
         return getattr(self._row, name)

@@ -150,7 +150,7 @@ def _json(value: object) -> object:
     return value
 
 
-def _stored(value: object) -> Any:
+def _stored(value: object) -> object:
     if isinstance(value, dict | list):
         return json.dumps(value, ensure_ascii=False)
     return int(value) if isinstance(value, bool) else value

@@ -102,7 +102,7 @@ def revision_triggers(table: Table) -> str:
     return triggers.revision_triggers(table.name, kept, [column.name for column in table.primary_key])
 
 
-def differences(connection: sqlite3.Connection, known: MetaData) -> list[Any]:
+def differences(connection: sqlite3.Connection, known: MetaData) -> list[object]:
     """Return the differences of a database from these tables, by Alembic."""
     engine = create_engine("sqlite://", creator=lambda: connection, poolclass=StaticPool)
     with engine.connect() as opened:
@@ -179,7 +179,7 @@ def _number(bound: float) -> str:
     return str(int(bound)) if abs(bound) < 2**53 and bound == int(bound) else repr(bound)
 
 
-def _line(column: SqlColumn[Any], name: int, kind: int, comma: str, *, key: bool) -> str:
+def _line(column: SqlColumn[object], name: int, kind: int, comma: str, *, key: bool) -> str:
     rules = [
         "" if column.nullable else "NOT NULL",
         "PRIMARY KEY" + " AUTOINCREMENT" * ("counted" in column.info) if key else "",
@@ -198,6 +198,6 @@ def comment(column: SqlColumn[Any]) -> str:
     return form + str(column.comment) + "; written by lbr" * ("by_lbr" in column.info)
 
 
-def default_of(column: SqlColumn[Any]) -> str:
+def default_of(column: SqlColumn[object]) -> str:
     """Return the default of a column as SQL."""
     return str(column.server_default.arg)  # type: ignore[union-attr]

@@ -8,7 +8,6 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from typing import Any
 
 from lbr.capability.context import Device
 from lbr.capability.recognition import Handshake, I2cHandshake, NameHandshake, Read, Seen, SerialHandshake
@@ -179,5 +178,5 @@ def _judged(judge: Callable[..., Seen | None], answer: bytes | str | Read) -> Se
     return verdicts[0] if verdicts and isinstance(verdicts[0], Seen) else None
 
 
-def _name(judge: Callable[..., Any]) -> str:
+def _name(judge: Callable[..., object]) -> str:
     return f"{getattr(judge, '__module__', '')}.{getattr(judge, '__qualname__', type(judge).__name__)}"

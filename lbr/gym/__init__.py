@@ -132,7 +132,7 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
         self._began_s = board.now
         return self._observed(), self._info()
 
-    def step(self, action: NDArray[np.float32]) -> tuple[Seen, float, bool, bool, dict[str, Any]]:
+    def step(self, action: NDArray[np.float32]) -> tuple[Seen, float, bool, bool, dict[str, object]]:
         """Drive by a twist for STEP_S. A NaN is a stop."""
         board = self._board
         if board is None:
@@ -225,7 +225,7 @@ class Room(gymnasium.Env[Seen, NDArray[np.float32]]):
             "battery": np.array([charge, float(battery is not None and battery.charging is True)], np.float32),
         }
 
-    def _info(self) -> dict[str, Any]:
+    def _info(self) -> dict[str, object]:
         """Return the truth, for rewards and evaluation: no robot knows it."""
         pose = self._instruments.pose
         return {

@@ -25,7 +25,7 @@ MOST_RESULTS = 8
 LONGEST_REASON = 200
 PLANNED = frozenset({"reached", "interval"})
 
-Message = Struct | Mapping[str, Any]
+Message = Struct | Mapping[str, object]
 
 
 class PendingReply(Protocol):

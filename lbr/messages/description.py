@@ -1,13 +1,12 @@
 """The description of a robot: its capabilities with their messages' schemas, its words, and the rows for people."""
 
-from typing import Any
-
 from msgspec import Struct
 
 from lbr.messages.kinematics import BaseKind
+from lbr.messages.schema import JsonObject
 from lbr.messages.system import Role
 
-Schema = dict[str, Any]
+Schema = JsonObject
 """A JSON Schema; empty for a program without message types."""
 
 
@@ -52,8 +51,8 @@ class RobotDescription(Struct, frozen=True, kw_only=True):
     simulated: bool
     revision: int
     capabilities: tuple[CapabilityDescription, ...]
-    words: tuple[dict[str, Any], ...] = ()
-    wheels: tuple[dict[str, Any], ...] = ()
-    ranges: tuple[dict[str, Any], ...] = ()
-    phrases: tuple[dict[str, Any], ...] = ()
+    words: tuple[JsonObject, ...] = ()
+    wheels: tuple[JsonObject, ...] = ()
+    ranges: tuple[JsonObject, ...] = ()
+    phrases: tuple[JsonObject, ...] = ()
     base: BaseDescription | None = None

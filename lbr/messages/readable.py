@@ -13,7 +13,7 @@ TIGHT = frozenset({"°", "%"})
 LONGEST = 400
 WHOLE = (1e3, 1e9)
 """Between these, a number is shown without a fraction."""
-EMPTY: tuple[Any, ...] = ("", [], {}, ())
+EMPTY: tuple[object, ...] = ("", [], {}, ())
 
 
 def fields(message: Mapping[str, object]) -> str:

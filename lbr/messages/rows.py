@@ -15,6 +15,7 @@ import msgspec
 from msgspec import Meta, Raw, Struct
 
 from lbr.messages.codes import Code
+from lbr.messages.schema import JsonObject
 
 R = TypeVar("R", bound="Row")
 NOW = Meta(extra={"default": "(strftime('%Y-%m-%dT%H:%M:%fZ', 'now'))"})
@@ -23,6 +24,7 @@ COUNTED = Meta(extra={"counted": True})
 """For a number that SQLite assigns, and never twice."""
 REQUIRED = Meta(extra={"default": None})
 """For a column that SQL requires, even with a default in Python."""
+Key = tuple[Any, ...]
 Fault = tuple[str, str]
 """A column, and its fault."""
 Check = Callable[[Any, "Others"], Iterator[Fault]]
@@ -63,7 +65,7 @@ class Row(Struct, frozen=True, kw_only=True):
         return cls.OF or cls.PART_OF
 
     @property
-    def key(self) -> tuple[Any, ...]:
+    def key(self) -> Key:
         """Return its key among the rows of its robot."""
         return tuple(getattr(self, column) for column in self.KEY)
 
@@ -144,7 +146,7 @@ def changes(known: Mapping[str, RowSet], told: Mapping[str, Raw]) -> dict[str, R
 def _changes(before: RowSet, rows: Raw) -> Raw:
     known = _by_key(before)
     changed_rows = []
-    for row in msgspec.json.decode(rows, type=list[dict[str, Any]]):
+    for row in msgspec.json.decode(rows, type=list[JsonObject]):
         known_row = known.get(tuple(row[column] for column in before.key), {})
         changed_rows.append(
             {
@@ -158,14 +160,14 @@ def _changes(before: RowSet, rows: Raw) -> Raw:
 
 def with_rows(known: Mapping[str, RowSet], new: Mapping[str, Raw]) -> dict[str, RowSet]:
     """Return sets of rows with new rows, or with changes of known ones; unknown tables are left out."""
-    told = {table: msgspec.json.decode(rows, type=list[dict[str, Any]]) for table, rows in new.items()}
+    told = {table: msgspec.json.decode(rows, type=list[JsonObject]) for table, rows in new.items()}
     return {
         table: before if table not in told and before.part_of not in told else _with(before, table, told)
         for table, before in known.items()
     }
 
 
-def _with(before: RowSet, table: str, tables: Mapping[str, list[dict[str, Any]]]) -> RowSet:
+def _with(before: RowSet, table: str, tables: Mapping[str, list[dict[str, object]]]) -> RowSet:
     known = _by_key(before)
     keyed = ((tuple(row[column] for column in before.key), row) for row in tables.get(table, ()))
     added = {key: {**known.get(key, {}), **row} for key, row in keyed}
@@ -174,8 +176,8 @@ def _with(before: RowSet, table: str, tables: Mapping[str, list[dict[str, Any]]]
     return msgspec.structs.replace(before, rows=Raw(msgspec.json.encode([rows[key] for key in sorted(rows)])))
 
 
-def _by_key(rows: RowSet) -> dict[tuple[Any, ...], dict[str, Any]]:
-    decoded = msgspec.json.decode(rows.rows, type=list[dict[str, Any]])
+def _by_key(rows: RowSet) -> dict[Key, dict[str, object]]:
+    decoded = msgspec.json.decode(rows.rows, type=list[JsonObject])
     return {tuple(row[column] for column in rows.key): row for row in decoded}
 
 

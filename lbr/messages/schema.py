@@ -5,6 +5,9 @@ from typing import Any
 
 import msgspec
 
+JsonObject = dict[str, Any]
+"""A JSON object whose fields only its reader knows."""
+
 
 def flat_schema(schema: Mapping[str, Any]) -> bytes:
     """Return a JSON Schema as bytes, with its top type in place of a reference to it, which some viewers do not

@@ -2,7 +2,6 @@
 
 import json
 from contextlib import suppress
-from typing import Any
 
 import msgspec
 
@@ -18,7 +17,7 @@ def keyed_once(data: bytes) -> bytes:
     return data
 
 
-def _once_each(pairs: list[tuple[str, Any]]) -> None:
+def _once_each(pairs: list[tuple[str, object]]) -> None:
     names = [name for name, _ in pairs]
     if len(set(names)) < len(names):
         repeated = next(name for name in names if names.count(name) > 1)

@@ -11,7 +11,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 
 Kind = Literal["added", "changed", "clamped", "same", "no_place"]
 """The result for a value; `no_place`: no column here can hold it."""
-ForeignTables = Mapping[str, Sequence[Mapping[str, Any]]]
+ForeignTables = Mapping[str, Sequence[Mapping[str, object]]]
 """The rows of another program's database by its tables' names."""
 
 
@@ -98,7 +98,7 @@ class Source:
     folder: str
     content: bytes = field(repr=False)
     text: str | None = field(default=None, repr=False)
-    json: Any = field(default=None, repr=False)
+    json: object = field(default=None, repr=False)
     tables: Callable[[], ForeignTables | None] = field(default=lambda: None, repr=False)
 
 

@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping
 from math import cos, pi, sin
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
+from lbr.simulation.bindings import MjData, MjModel
 from lbr.simulation.messages import WorldBox
 from lbr.simulation.requests import BallReply, BallRequest
 from lbr.simulation.room import Colour, Place
@@ -40,7 +41,7 @@ class Ball(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class Balls:
     """The balls of a world. Any thread may ask; `apply` changes them between two steps of the physics."""
 
-    def __init__(self, model: Any, balls: Mapping[str, Ball]) -> None:
+    def __init__(self, model: MjModel, balls: Mapping[str, Ball]) -> None:
         self._balls = dict(balls)
         self._placed: dict[str, Middle] = {}
         self._changed = False
@@ -80,7 +81,7 @@ class Balls:
         self._changed = True
         return text
 
-    def answer(self, ctx: Context[Any], call: Call, request: BallRequest) -> None:
+    def answer(self, ctx: Context[Struct], call: Call, request: BallRequest) -> None:
         """Put a ball elsewhere for a call, and answer it."""
         try:
             text = self.put(request)
@@ -95,7 +96,7 @@ class Balls:
         at = self._where(name, time_s) if name in self._balls else _GONE
         return None if at == _GONE else at
 
-    def apply(self, data: Any) -> None:
+    def apply(self, data: MjData) -> None:
         """Put every ball at its present position."""
         self._changed = False
         for name, mocap in self._mocaps.items():

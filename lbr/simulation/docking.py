@@ -1,10 +1,11 @@
 """The charging dock: when the robot's contacts touch it, and which of its beams the robot's receiver sees."""
 
 from math import atan2, cos, degrees, hypot, pi, remainder, sin, tau
-from typing import Any
+from types import ModuleType
 
 import numpy as np
 
+from lbr.simulation.bindings import MjData, MjModel
 from lbr.simulation.measured import Beam
 from lbr.simulation.messages import WorldDock
 from lbr.simulation.model import STANDING
@@ -21,7 +22,7 @@ _WINDOW_M = 0.005
 class DockSense:
     """The dock's signals at a robot; both sensors are at its back."""
 
-    def __init__(self, mujoco: Any, model: Any, dock: Dock, body: Body) -> None:
+    def __init__(self, mujoco: ModuleType, model: MjModel, dock: Dock, body: Body) -> None:
         self._mujoco, self._model = mujoco, model
         self._dock = dock
         self._back_m = body.length_m / 2
@@ -32,7 +33,7 @@ class DockSense:
         half = self._dock.contacts_m / 2
         return all(self._touches(robot, aside) for aside in (-half, half))
 
-    def beams(self, data: Any, robot: Place) -> frozenset[Beam]:
+    def beams(self, data: MjData, robot: Place) -> frozenset[Beam]:
         """Return the beams that reach the receiver; `power` is seen only where the contacts touch."""
         seen: set[Beam] = {"power"} if self.charging(robot) else set()
         dock = self._dock
@@ -55,7 +56,7 @@ class DockSense:
         gap_m, off_m = _from((dock.x_m, dock.y_m, dock.yaw_rad), (x, y))
         return abs(gap_m) <= dock.give_m and abs(off_m - aside_m) <= dock.plate_m
 
-    def _in_sight(self, data: Any, receiver: tuple[float, float]) -> bool:
+    def _in_sight(self, data: MjData, receiver: tuple[float, float]) -> bool:
         dock = self._dock
         x, y = _into((dock.x_m, dock.y_m, dock.yaw_rad), (_WINDOW_M, 0.0))
         start, end = np.array([*receiver, _RECEIVER_Z_M]), np.array([x, y, dock.height_m])

@@ -1,9 +1,8 @@
 """The readings of the inertial unit: MuJoCo's sensors with the biases, the iron and the noise of a cheap one."""
 
-from typing import Any
-
 import numpy as np
 
+from lbr.simulation.bindings import MjData
 from lbr.simulation.measured import ImuReading
 from lbr.simulation.noise import Floats, Noise
 from lbr.simulation.settings import Imu
@@ -24,14 +23,14 @@ class InertialUnit:
         self._noise = Noise(seed, "imu", 9)
         self._true: Floats | None = None
 
-    def follow(self, data: Any) -> None:
+    def follow(self, data: MjData) -> None:
         """Process a step of the physics; its sensors are gyro, accelerometer and magnetometer, in this order."""
         if self._true is None:
             self._true = np.array(data.sensordata[:9])
         else:
             self._true += (data.sensordata[:9] - self._true) * _SMOOTHING
 
-    def settle(self, data: Any) -> None:
+    def settle(self, data: MjData) -> None:
         """Note that the physics stands."""
         self._true = np.array(data.sensordata[:9])
 

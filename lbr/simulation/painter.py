@@ -4,7 +4,9 @@ import os
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from msgspec import Struct
 
 from lbr.capability.context import Call, Context
 from lbr.capability.picture_files import free, name_now
@@ -21,7 +23,7 @@ _WAITING = 8
 class Painter:
     """One picture at a time, in a thread of its own; replies are sent from `finish`."""
 
-    def __init__(self, ctx: Context[Any]) -> None:
+    def __init__(self, ctx: Context[Struct]) -> None:
         self._ctx = ctx
         self._worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="painter", initializer=_rank_as_usual)
         self._calls: list[tuple[Call, Path, Future[Path]]] = []
@@ -70,7 +72,7 @@ def _rank_as_usual() -> None:
         os.setpriority(os.PRIO_PROCESS, 0, 0)
 
 
-def _own_path(ctx: Context[Any]) -> Path:
+def _own_path(ctx: Context[Struct]) -> Path:
     folder = Path(ctx.home) / "pictures"
     try:
         folder.mkdir(mode=0o700, exist_ok=True)

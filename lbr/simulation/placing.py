@@ -1,9 +1,9 @@
 """Things that are placed while the world runs: a few bodies wait below the floor for that."""
 
 from math import cos, hypot, sin
-from typing import Any
 
 from lbr.errors import InputError
+from lbr.simulation.bindings import MjData, MjModel
 from lbr.simulation.messages import WorldBox
 from lbr.simulation.model import PARKED_M, PLACEABLE
 
@@ -16,7 +16,7 @@ Triple = tuple[float, float, float]
 class Placed:
     """The placed things, by name; any thread may ask, and `apply` places them between two steps of the physics."""
 
-    def __init__(self, model: Any) -> None:
+    def __init__(self, model: MjModel) -> None:
         self._things: dict[str, WorldBox] = {}
         self._slots: dict[str, str] = {}
         self._changed = False
@@ -57,7 +57,7 @@ class Placed:
         del self._slots[name], self._things[name]
         self._changed = True
 
-    def apply(self, model: Any, data: Any) -> None:
+    def apply(self, model: MjModel, data: MjData) -> None:
         """Put everything at its place, if anything has changed."""
         if not self._changed:
             return
@@ -71,7 +71,7 @@ class Placed:
             resize(model, geom, body, half)
 
 
-def resize(model: Any, geom: int, body: int, half: Triple) -> None:
+def resize(model: MjModel, geom: int, body: int, half: Triple) -> None:
     """Resize the only geom of a body, with all values that the physics derives from it."""
     model.geom_size[geom] = half
     model.geom_rbound[geom] = sum(value**2 for value in half) ** 0.5

@@ -3,11 +3,13 @@ itself."""
 
 from collections.abc import Iterable
 from math import ceil, cos, erf, radians, sin, sqrt, tau
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 
 from lbr.messages.sensing import RangeSensor
+from lbr.simulation.bindings import MjData, MjModel
 from lbr.simulation.model import STANDING
 from lbr.simulation.noise import Floats, Noise
 from lbr.simulation.settings import Ultrasonic
@@ -25,7 +27,7 @@ class Rangers:
     """The robot's level sensors of distance; `look` and `scan` return their distances from a place."""
 
     def __init__(
-        self, mujoco: Any, model: Any, sensors: Iterable[RangeSensor], settings: Ultrasonic, seed: int
+        self, mujoco: ModuleType, model: MjModel, sensors: Iterable[RangeSensor], settings: Ultrasonic, seed: int
     ) -> None:
         self._mujoco, self._model = mujoco, model
         self._settings = settings
@@ -39,7 +41,7 @@ class Rangers:
         self._least_cos = cos(radians(settings.grazing_deg))
         self._faced: dict[str, float | None] = {}
 
-    def look(self, data: Any, place: tuple[float, float, float], step: int) -> dict[str, float | None]:
+    def look(self, data: MjData, place: tuple[float, float, float], step: int) -> dict[str, float | None]:
         """Return the distance of each single-distance sensor in metres; None: nothing within its reach."""
         self._faced = {sensor.name: self._nearest(data, place, sensor) for sensor in self._singles}
         return self.again(step)
@@ -48,7 +50,7 @@ class Rangers:
         """Return the same distances with new noise, without rays, while nothing has moved since the last look."""
         return {name: self._measured_m(name, nearest_m, step) for name, nearest_m in self._faced.items()}
 
-    def scan(self, data: Any, place: tuple[float, float, float]) -> dict[str, tuple[float | None, ...]]:
+    def scan(self, data: MjData, place: tuple[float, float, float]) -> dict[str, tuple[float | None, ...]]:
         """Return the distances of each scanner along its rays, in metres; None: nothing within its reach."""
         scans = {}
         for sensor in self._scanners:
@@ -65,7 +67,7 @@ class Rangers:
             return None
         return max(0.0, nearest_m + normal * (settings.noise_m + settings.noise_per_m * nearest_m))
 
-    def _nearest(self, data: Any, place: tuple[float, float, float], sensor: RangeSensor) -> float | None:
+    def _nearest(self, data: MjData, place: tuple[float, float, float], sensor: RangeSensor) -> float | None:
         ultrasonic = sensor.kind == "ultrasonic"
         hit, distance, normal, rays = self._cast(
             data, place, sensor, min(sensor.max_m, REACH_M) if ultrasonic else sensor.max_m
@@ -77,7 +79,7 @@ class Rangers:
         return float(seen.min()) if seen.size else None
 
     def _cast(
-        self, data: Any, place: tuple[float, float, float], sensor: RangeSensor, reach_m: float
+        self, data: MjData, place: tuple[float, float, float], sensor: RangeSensor, reach_m: float
     ) -> tuple[Any, Floats, Floats | None, Floats]:
         """Return the body that each ray of a sensor hits (-1: none) and its distance, with the normal if needed."""
         x, y, yaw = place

@@ -1,9 +1,10 @@
 """Requests to the world while it runs."""
 
-from typing import Annotated, Any
+from typing import Annotated
 
 from msgspec import Meta, Struct
 
+from lbr.messages.schema import JsonObject
 from lbr.messages.units import Name, NameOrNone
 
 Metres = Annotated[float, Meta(ge=-1000.0, le=1000.0, description="metres")]
@@ -17,7 +18,7 @@ class PlugRequest(Struct, frozen=True, kw_only=True):
     device: Name
     type: str
     address: str
-    settings: dict[str, Any] = {}
+    settings: JsonObject = {}
 
 
 class FaultRequest(Struct, frozen=True, kw_only=True):
@@ -33,7 +34,7 @@ class FaultReply(Struct, frozen=True, kw_only=True):
 
     accepted: bool
     reason: str = ""
-    faults: dict[str, Any] = {}
+    faults: JsonObject = {}
 
 
 class PlaceRequest(Struct, frozen=True, kw_only=True):

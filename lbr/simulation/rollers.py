@@ -2,9 +2,10 @@
 
 from collections.abc import Sequence
 from math import cos, sin
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from lbr.messages.kinematics import Wheel
+from lbr.simulation.bindings import MjData, MjModel
 
 GRAVITY = 9.81
 GRIP = 0.8
@@ -27,13 +28,15 @@ class _Contact(NamedTuple):
 class Rollers:
     """The forces of the floor on a base with such wheels; call `push` before each step of the physics."""
 
-    def __init__(self, model: Any, wheels: Sequence[Wheel], dofs: Sequence[int], mass_kg: float, step_s: float) -> None:
+    def __init__(
+        self, model: MjModel, wheels: Sequence[Wheel], dofs: Sequence[int], mass_kg: float, step_s: float
+    ) -> None:
         self._base = int(model.body("base").id)
         self._contacts = [_contact(wheel, dof) for wheel, dof in zip(wheels, dofs, strict=True)]
         each_kg = mass_kg / len(wheels)
         self._most_n, self._per_mps = GRIP * each_kg * GRAVITY, STIFFNESS * each_kg / step_s
 
-    def push(self, data: Any, yaw: float) -> None:
+    def push(self, data: MjData, yaw: float) -> None:
         """Set the floor's forces on base and wheels, by their present motion."""
         c, s = cos(yaw), sin(yaw)
         east_mps, north_mps, turn_rps = (float(data.qvel[axis]) for axis in (0, 1, 5))

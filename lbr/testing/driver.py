@@ -8,6 +8,7 @@ from math import inf, isfinite, nan
 from typing import Any
 
 import msgspec
+from msgspec import Struct
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Device
@@ -66,7 +67,7 @@ class DriverBench:
         self._rest = {"lose": lose, "wired": wired, **rest}
         self.ctx = RealTimeContext(kind, kind.parse(settings), device=device.device, devices=(device.device,), **rest)
         self.ctx.wired = wired or {}
-        self.driver: Capability[Any] = kind.load()(self.ctx)
+        self.driver: Capability[Struct] = kind.load()(self.ctx)
         self.errors: list[DeviceError] = []
         self._opened = False
         device.drivers.append(self._close_opened)

@@ -212,7 +212,7 @@ def _fields(message: type[Struct], depth: int) -> Iterator[tuple[tuple[str, ...]
         yield from _of_type((field.encode_name,), field.type, depth)
 
 
-def _of_type(path: tuple[str, ...], kind: object, depth: int) -> Iterator[tuple[tuple[str, ...], tuple[Any, ...]]]:
+def _of_type(path: tuple[str, ...], kind: object, depth: int) -> Iterator[tuple[tuple[str, ...], tuple[object, ...]]]:
     meta: list[object] = []
     while get_origin(kind) is Annotated:
         kind, *more = get_args(kind)

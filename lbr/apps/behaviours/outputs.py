@@ -6,7 +6,7 @@ A number may be a variable, `$speed`. Of alternatives, `a | b`, one is drawn whe
 import re
 from collections.abc import Callable, Iterator, Mapping
 from math import isfinite, isnan
-from typing import Any, NamedTuple, get_args
+from typing import NamedTuple, TypeVar, get_args
 
 import msgspec
 from msgspec import Struct
@@ -21,6 +21,7 @@ from lbr.messages.tracking import Target
 from lbr.messages.units import NAME_PATTERN
 from lbr.names import near
 
+C = TypeVar("C", bound=Struct)
 ALONG = ("range", "sensor", "distance", "duration", "angle")
 NUMBERS = ("level", "angle", "range", "distance", "duration", "heading", "turn", "wait", "times", "retry")
 TEXTS = ("sensor", "speech", "phrase", "watch", "motion", "beacon", "run", "set")
@@ -231,20 +232,17 @@ def _moving(way: str, given: Mapping[str, str], numbers: Mapping[str, float], du
         if not re.fullmatch(NAME_PATTERN, given["run"]):
             raise OutputError("run", f"'{given['run']}' is no table's name: small letters, digits, underscores")
         return CallTable(given["run"])
-    fields: dict[str, tuple[str, Any]]
+    fields: dict[str, tuple[str, Value]]
     if way == "motion":
         if not re.fullmatch(NAME_PATTERN, given["motion"]):
             raise OutputError("motion", f"'{given['motion']}' is no motion's name: small letters, digits, underscores")
         fields = {"motion": ("motion", given["motion"]), "times": ("times", _whole(numbers))}
-        played: PlayCommand = _command(PlayCommand, fields)
-        return played
+        return _command(PlayCommand, fields)
     if way == "beacon":
         return _seek(given["beacon"])
     if way == "turn":
-        turn: TurnCommand = _command(TurnCommand, {"angle_deg": ("turn", numbers["turn"])})
-        return turn
-    heading: HeadingCommand = _command(HeadingCommand, {"heading_deg": ("heading", numbers["heading"])})
-    return heading
+        return _command(TurnCommand, {"angle_deg": ("turn", numbers["turn"])})
+    return _command(HeadingCommand, {"heading_deg": ("heading", numbers["heading"])})
 
 
 def _watch(text: str) -> Order:
@@ -272,7 +270,7 @@ def _drive(given: Mapping[str, str], numbers: Mapping[str, float], duration: flo
     if "sensor" in given and "range" not in given:
         raise OutputError("sensor", "O:sensor goes with O:range, at which it stops")
     sensor = given.get("sensor", "forward").lower()
-    fields: dict[str, tuple[str, Any]] = {
+    fields: dict[str, tuple[str, Value]] = {
         "power": ("level", numbers["level"]),
         "angle_deg": ("angle", numbers.get("angle", 0.0)),
         "interval_s": ("duration", duration),
@@ -280,11 +278,10 @@ def _drive(given: Mapping[str, str], numbers: Mapping[str, float], duration: flo
     }
     if numbers.get("range", 0.0):
         fields |= {"range_cm": ("range", numbers["range"]), "sensor": ("sensor", _SENSORS.get(sensor, sensor))}
-    found: DriveCommand = _command(DriveCommand, fields)
-    return found
+    return _command(DriveCommand, fields)
 
 
-def _command(kind: type[Any], fields: Mapping[str, tuple[str, Any]]) -> Any:
+def _command(kind: type[C], fields: Mapping[str, tuple[str, Value]]) -> C:
     """Make a command; raise OutputError with the column of a bad field. Numbers not known yet are left out."""
     known = {name: value for name, (_, value) in fields.items() if not _unknown(value)}
     base = _fitting(kind)
@@ -296,7 +293,7 @@ def _command(kind: type[Any], fields: Mapping[str, tuple[str, Any]]) -> Any:
     return msgspec.convert({**base, **known}, kind)
 
 
-def _fitting(kind: type[Any]) -> dict[str, Any]:
+def _fitting(kind: type[Struct]) -> dict[str, Value]:
     """Return a valid value for each required field of a command."""
     return {
         field.name: "a" if field.name == "motion" else 0.0 for field in msgspec.structs.fields(kind) if field.required

@@ -8,7 +8,6 @@ import contextlib
 import fractions
 import time
 from collections import deque
-from typing import Any
 
 import av
 from aiortc import MediaStreamTrack
@@ -31,8 +30,8 @@ class Pictures:
 
     def __init__(self) -> None:
         self.broken = ""
-        self._decoder: Any = None
-        self._frame: Any = None
+        self._decoder: av.VideoCodecContext | None = None
+        self._frame: av.VideoFrame | None = None
         self._number = 0
         self._news = asyncio.Event()
         self._size = DARK
@@ -54,7 +53,7 @@ class Pictures:
         self._set(frame, taken_s)
         self._shown_s = time.monotonic()
 
-    async def next(self, after: int) -> tuple[Any, int]:
+    async def next(self, after: int) -> tuple[av.VideoFrame | None, int]:
         """Return a picture newer than a number, and its number; a dark one if the camera shows nothing."""
         while self._number <= after:
             news = self._news
@@ -66,14 +65,14 @@ class Pictures:
                     self._set(dark(*self._size), time.monotonic())
         return self._frame, self._number
 
-    def _set(self, frame: Any, taken_s: float) -> None:
+    def _set(self, frame: av.VideoFrame, taken_s: float) -> None:
         self._pts = max(self._pts + 1, int(taken_s * CLOCK_HZ))  # the time only increases, whatever a camera reports
         frame.pts, frame.time_base = self._pts, VIDEO_BASE
         self._frame, self._number = frame, self._number + 1
         news, self._news = self._news, asyncio.Event()
         news.set()
 
-    def _decoded(self, jpeg: bytes) -> Any:
+    def _decoded(self, jpeg: bytes) -> av.VideoFrame | None:
         if self._decoder is None:
             self._decoder = av.CodecContext.create("mjpeg", "r")
             self._decoder.thread_count = 1  # with more threads each picture comes out one later
@@ -81,7 +80,7 @@ class Pictures:
         return found[-1].reformat(format="yuv420p", dst_color_range="MPEG") if found else None
 
 
-def dark(width: int, height: int) -> Any:
+def dark(width: int, height: int) -> av.VideoFrame:
     """Return a dark picture."""
     frame = av.VideoFrame(width - width % 2, height - height % 2, "yuv420p")
     for plane, value in zip(frame.planes, (16, 128, 128), strict=True):
@@ -99,7 +98,7 @@ class CameraTrack(MediaStreamTrack):  # type: ignore[misc]
         self._pictures = pictures
         self._number = 0
 
-    async def recv(self) -> Any:
+    async def recv(self) -> av.VideoFrame | None:
         """Return the next picture."""
         if self.readyState != "live":
             raise MediaStreamError
@@ -118,7 +117,7 @@ class SoundTrack(MediaStreamTrack):  # type: ignore[misc]
         self._began: float | None = None
         self._n = 0
 
-    async def recv(self) -> Any:
+    async def recv(self) -> av.AudioFrame:
         """Return the next packet at its time."""
         if self.readyState != "live":
             raise MediaStreamError
@@ -154,7 +153,7 @@ class Fan:
         """Remove a display's track."""
         self._displays.discard(track)
 
-    async def take(self, track: Any) -> None:
+    async def take(self, track: MediaStreamTrack) -> None:
         """Pass on the frames of a caller's track, until it ends."""
         with contextlib.suppress(MediaStreamError):
             while True:
@@ -172,15 +171,15 @@ class RelayTrack(MediaStreamTrack):  # type: ignore[misc]
         super().__init__()
         self.kind = kind
         self._fan = fan
-        self._frames: deque[Any] = deque(maxlen=1 if kind == "video" else MOST_SOUND)
+        self._frames: deque[av.VideoFrame | av.AudioFrame] = deque(maxlen=1 if kind == "video" else MOST_SOUND)
         self._news = asyncio.Event()
 
-    def give(self, frame: object) -> None:
+    def give(self, frame: av.VideoFrame | av.AudioFrame) -> None:
         """Add a frame."""
         self._frames.append(frame)
         self._news.set()
 
-    async def recv(self) -> Any:
+    async def recv(self) -> av.VideoFrame | av.AudioFrame:
         """Return the next frame."""
         while self.readyState == "live":
             if self._frames:

@@ -1,6 +1,6 @@
 """The song of a dance, played by speech: its beginning, and whether it goes on. Without sound it begins at once."""
 
-from typing import Any
+from msgspec import Struct
 
 from lbr.capability.context import Context
 from lbr.messages.codes import Reason
@@ -14,7 +14,7 @@ NEAR_THE_END_S = 0.5
 class Music:
     """One song. `began` is None until it is known; `silent` is why there is no sound, or empty."""
 
-    def __init__(self, ctx: Context[Any], song: str, duration_s: float) -> None:
+    def __init__(self, ctx: Context[Struct], song: str, duration_s: float) -> None:
         self.began: float | None = None
         self.silent = ""
         self._ctx = ctx

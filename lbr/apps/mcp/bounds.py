@@ -6,8 +6,9 @@ from math import isfinite
 from typing import Any
 
 from lbr.errors import InputError
+from lbr.messages.schema import JsonObject
 
-Schema = dict[str, Any]
+Schema = JsonObject
 KEPT = ("description", "type", "minimum", "maximum", "maxLength", "pattern")
 TYPED_MINIMUM = "x-typed-minimum"
 """The least value that a person may type, if the message allows less."""
@@ -36,7 +37,7 @@ def of_object(properties: Mapping[str, Schema], required: list[str]) -> Schema:
     return {"type": "object", "properties": dict(properties), "required": required, "additionalProperties": False}
 
 
-def checked(schema: Schema, arguments: Mapping[str, object]) -> dict[str, Any]:
+def checked(schema: Schema, arguments: Mapping[str, object]) -> JsonObject:
     """Return valid arguments, with the defaults of missing ones; raise InputError with the first that does not fit."""
     properties: dict[str, Schema] = schema["properties"]
     if unknown := [name for name in arguments if name not in properties]:

@@ -14,6 +14,7 @@ from rosbags.typesys import Stores, get_typestore
 from lbr.apps.ros2.wire import HUMBLE_HASH
 from lbr.errors import InputError
 from lbr.messages.codes import Reason
+from lbr.messages.schema import JsonObject
 
 TWIST, TWIST_STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
 TRIGGER = "std_srvs/srv/Trigger"
@@ -99,7 +100,7 @@ def stamp(at_ns: int) -> dict[str, int]:
     return {"sec": at_ns // S_NS, "nanosec": at_ns % S_NS}
 
 
-def header(at_ns: int, frame: str) -> dict[str, Any]:
+def header(at_ns: int, frame: str) -> JsonObject:
     """Return a header."""
     return {"stamp": stamp(at_ns), "frame_id": frame}
 

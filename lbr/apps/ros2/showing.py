@@ -3,10 +3,10 @@
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from math import inf
-from typing import Any
 
 from lbr.apps.bodies.parts import RobotModel
 from lbr.apps.ros2 import codec, shown, topics
+from lbr.apps.ros2.kind import Ros2Settings
 from lbr.apps.ros2.shown import Fields
 from lbr.apps.ros2.topics import DESCRIPTION, DIAGNOSTICS, IMU, JOINT_STATES, ODOM, TF, TF_STATIC
 from lbr.apps.ros2.urdf import urdf
@@ -27,7 +27,7 @@ class Showing:
 
     def __init__(
         self,
-        ctx: Context[Any],
+        ctx: Context[Ros2Settings],
         ports: Mapping[str, Port],
         model: RobotModel,
         sensors: tuple[RangeSensor, ...],
@@ -143,7 +143,7 @@ class Showing:
                 yield topics.picture_topic(camera), shown.picture(data, camera, at_ns)
                 yield topics.info_topic(camera), shown.camera_info(data, camera, self._eyes.get(camera), at_ns)
 
-    def _state(self, port: str, now: float) -> Any:
+    def _state(self, port: str, now: float) -> object:
         """Return the newest state of a part; None if it is missing or old."""
         newest = self._ctx.latest(port)
         return newest.message if newest is not None and newest.age_s(now) <= OLD_S else None

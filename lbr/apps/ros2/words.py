@@ -1,7 +1,9 @@
 """The services: the stops, and one for each console line, with the motion that a line begins."""
 
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+from msgspec import Struct
 
 from lbr.apps.motion_requests import adopt, target_of
 from lbr.apps.ros2.kind import ESTOP, STOP
@@ -31,7 +33,7 @@ class Waiting(NamedTuple):
 class Words:
     """Carries out the calls of services, one motion at a time."""
 
-    def __init__(self, ctx: Context[Any], lines: Mapping[str, str], denied: Reason | None) -> None:
+    def __init__(self, ctx: Context[Struct], lines: Mapping[str, str], denied: Reason | None) -> None:
         self._ctx = ctx
         self._lines = lines
         self._denied = denied

@@ -36,7 +36,7 @@ class Polly:
         self._clock = clock
         self._again_at = 0.0
         self._why = ""
-        self._client: Any = None
+        self._client: object = None
 
     def write(self, request: Request) -> None:
         """Write the sound of a voice; raise LbrError if it does not come in time."""

@@ -1,6 +1,8 @@
 """The lines of buttons: one at each press. The motion that a line begins lasts while the dead-man button is held."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+from msgspec import Struct
 
 from lbr.apps.motion_requests import adopt, target_of
 from lbr.capability.context import Context
@@ -22,7 +24,7 @@ class _SentLine(NamedTuple):
 class Lines:
     """Sends lines to the console, and renews the motion of the last one."""
 
-    def __init__(self, ctx: Context[Any]) -> None:
+    def __init__(self, ctx: Context[Struct]) -> None:
         self._ctx = ctx
         self._sent: list[_SentLine] = []
         self._holder = Holder(ctx)

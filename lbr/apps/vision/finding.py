@@ -7,7 +7,7 @@ import contextlib
 import importlib.util
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from types import ModuleType
 
 from lbr.apps.vision.settings import MODEL_HINT, VisionSettings
 from lbr.errors import InputError
@@ -44,7 +44,7 @@ def finder(settings: VisionSettings, target: Target) -> Finder:
     return find
 
 
-def _opencv() -> Any:
+def _opencv() -> ModuleType:
     try:
         from lbr.apps.vision import opencv
     except ImportError as err:

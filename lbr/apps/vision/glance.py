@@ -2,9 +2,9 @@
 
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Any
 
 from lbr.apps.vision.eye import NO_PICTURES, camera_off
+from lbr.apps.vision.settings import VisionSettings
 from lbr.apps.vision.sketch import Sketch, sketch
 from lbr.capability import picture_files
 from lbr.capability.context import Call, Context
@@ -14,13 +14,13 @@ from lbr.messages.tracking import LookCommand, Target
 
 NEW_PICTURE_S = 0.6
 
-Draw = Callable[[Any, Target, bytes], Sketch]
+Draw = Callable[[VisionSettings, Target, bytes], Sketch]
 
 
 class Glance:
     """Looks on a thread, as that may take a while; one look at a time."""
 
-    def __init__(self, ctx: Context[Any], draw: Draw = sketch) -> None:
+    def __init__(self, ctx: Context[VisionSettings], draw: Draw = sketch) -> None:
         self._ctx = ctx
         self._draw = draw
         self._pool = ThreadPoolExecutor(1)

@@ -2,9 +2,9 @@
 
 from collections import deque
 from math import inf
-from typing import Any
 
 from lbr.apps.vision.eye import NO_PICTURES, Eye, Look, camera_off
+from lbr.apps.vision.settings import VisionSettings
 from lbr.capability.context import Context
 
 NO_PICTURE_S = 1.0
@@ -14,7 +14,7 @@ RATE_OVER_S = 2.0
 class Looking:
     """The search for one target, by an eye that it closes; for the capability's own loop."""
 
-    def __init__(self, ctx: Context[Any], eye: Eye) -> None:
+    def __init__(self, ctx: Context[VisionSettings], eye: Eye) -> None:
         self.eye = eye
         self.last: Look | None = None
         self.began_s = ctx.clock()

@@ -2,17 +2,18 @@
 
 from collections.abc import Callable
 from math import pi
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import cv2
 import numpy as np
+from cv2.typing import MatLike
 
 from lbr.apps.vision.settings import MODEL_HINT, VisionSettings
 from lbr.bus import pictures
 from lbr.errors import InputError
 from lbr.messages.tracking import Seen, Target
 
-Image = np.ndarray[Any, Any]
+Image = MatLike
 
 MOST_PIXELS = 4096 * 4096
 REDUCED_TO_PX = 320
@@ -42,7 +43,7 @@ class Detector(Protocol):
     def setInputSize(self, input_size: tuple[int, int]) -> None:  # noqa: N802 - the library's name
         """Set the size of the next picture."""
 
-    def detect(self, image: Any) -> tuple[int, Any]:
+    def detect(self, image: Image) -> tuple[int, Image | None]:
         """Return a row for each face: left, top, width and height in pixels, ten landmarks, and the score."""
 
 

@@ -6,7 +6,9 @@ Written from its documentation and tested with a stand-in only, not with a camer
 import os
 import time
 from collections import deque
+from collections.abc import Callable
 from contextlib import suppress
+from types import ModuleType
 from typing import Any
 
 from lbr.capability.context import Device
@@ -83,7 +85,7 @@ class CsiSource:
             os.eventfd_write(self._ready, 1)
 
 
-def _library() -> tuple[Any, Any]:
+def _library() -> tuple[ModuleType, type]:
     try:
         import libcamera  # type: ignore[import-not-found, unused-ignore]
         import picamera2.encoders  # type: ignore[import-not-found, unused-ignore]
@@ -103,9 +105,9 @@ def _number(device: Device) -> int:
     return int(number)
 
 
-def _output(library: Any, store: Any) -> Any:
+def _output(library: Any, store: Callable[[bytes], None]) -> object:
     class Slot(library.outputs.Output):  # type: ignore[misc] # its class is known at run time only
-        def outputframe(self, frame: bytes, *_rest: Any, **_named: Any) -> None:
+        def outputframe(self, frame: bytes, *_rest: object, **_named: object) -> None:
             store(frame)
 
     return Slot()

@@ -5,7 +5,6 @@ from collections import deque
 from collections.abc import Sequence
 from contextlib import suppress
 from math import inf
-from typing import Any
 
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
@@ -130,7 +129,7 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
             raise DeviceError(f"{self._device_text()}: {_error_text(err)}; reopening it") from err
 
     def _on_data(
-        self, _: Any, accel: Sequence[float], gyro: Sequence[float], mag: Sequence[float], device_ms: float
+        self, _: object, accel: Sequence[float], gyro: Sequence[float], mag: Sequence[float], device_ms: float
     ) -> None:
         """Queue a sample, on the library's thread, which reuses its lists; the recorder gets it as the emulated unit's
         record."""
@@ -140,7 +139,7 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
         if self._slow:
             self.ctx.wake()
 
-    def _on_detach(self, _: Any) -> None:
+    def _on_detach(self, _: object) -> None:
         self._detached = True
         self.ctx.wake()
 

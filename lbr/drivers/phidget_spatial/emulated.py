@@ -12,14 +12,14 @@ import struct
 import threading
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import Any
 
 from lbr.bus.unix_address import address_of
+from lbr.messages.schema import JsonObject
 
 RECORD = struct.Struct("<10d")
 _READ_BYTES = 80 * 64
 
-OnData = Callable[[Any, Sequence[float], Sequence[float], Sequence[float], float], None]
+OnData = Callable[[object, Sequence[float], Sequence[float], Sequence[float], float], None]
 
 
 class EmulatedSpatial:
@@ -28,7 +28,7 @@ class EmulatedSpatial:
     def __init__(self, path: str) -> None:
         self._path = path
         self._on_data: OnData | None = None
-        self._on_detach: Callable[[Any], None] | None = None
+        self._on_detach: Callable[[object], None] | None = None
         self._socket: socket.socket | None = None
         self._thread: threading.Thread | None = None
 
@@ -36,7 +36,7 @@ class EmulatedSpatial:
         """Set the function that is called with every sample."""
         self._on_data = handler
 
-    def setOnDetachHandler(self, handler: Callable[[Any], None] | None) -> None:
+    def setOnDetachHandler(self, handler: Callable[[object], None] | None) -> None:
         """Set the function that is called when the unit is gone."""
         self._on_detach = handler
 
@@ -78,7 +78,7 @@ class EmulatedSpatial:
         if self._thread is not None and self._thread is not threading.current_thread():
             self._thread.join()
 
-    def _say(self, order: dict[str, Any]) -> None:
+    def _say(self, order: JsonObject) -> None:
         if self._socket is None:
             raise ConnectionError("the unit is not attached")
         self._socket.sendall(json.dumps(order).encode() + b"\n")

@@ -7,13 +7,13 @@ Addresses: `usb:` for the only unit, `usb:SERIAL` for one of several, `unix:PATH
 
 import re
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 from lbr.capability.context import Device
 from lbr.drivers.phidget_spatial.emulated import EmulatedSpatial
 from lbr.errors import DeviceError
 
-OnData = Callable[[Any, Sequence[float], Sequence[float], Sequence[float], float], None]
+OnData = Callable[[object, Sequence[float], Sequence[float], Sequence[float], float], None]
 
 
 class Spatial(Protocol):
@@ -22,7 +22,7 @@ class Spatial(Protocol):
     def setOnSpatialDataHandler(self, handler: OnData | None) -> None:
         """Set the function that is called with every sample, on a thread of the library."""
 
-    def setOnDetachHandler(self, handler: Callable[[Any], None] | None) -> None:
+    def setOnDetachHandler(self, handler: Callable[[object], None] | None) -> None:
         """Set the function that is called when the unit is gone."""
 
     def openWaitForAttachment(self, timeout: int) -> None:

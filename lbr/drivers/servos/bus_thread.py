@@ -11,12 +11,12 @@ few; a stop is on the wire as soon as the current job has ended.
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
 STOP, WRITE, READ = 0, 1, 2
 Bus = TypeVar("Bus")
 T = TypeVar("T")
-_Jobs = dict[object, tuple[Callable[[Any], object], "Future[object]"]]
+_Jobs = dict[object, tuple[Callable[[object], object], "Future[object]"]]
 
 
 class BusThread(Generic[Bus]):

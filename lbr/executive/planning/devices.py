@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
 
 from msgspec import Struct
 
@@ -46,7 +45,7 @@ def _settable(device_type: str) -> tuple[type[Struct] | None, str]:
 
 
 def check_devices(
-    rows: RobotRows, chosen: list[CapabilityRow], kinds: Mapping[str, Kind], settings: Mapping[str, Any]
+    rows: RobotRows, chosen: list[CapabilityRow], kinds: Mapping[str, Kind], settings: Mapping[str, Struct]
 ) -> list[Problem]:
     """Return which capabilities name a device of another type, or a device that another capability owns."""
     problems = []

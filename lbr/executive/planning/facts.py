@@ -91,6 +91,6 @@ def _types(ports: Mapping[str, type[msgspec.Struct]]) -> dict[str, str]:
     return {port: message.__name__ for port, message in ports.items()}
 
 
-def _plain(settings: Any) -> dict[str, Any]:
+def _plain(settings: msgspec.Struct) -> dict[str, object]:
     found = msgspec.to_builtins(settings)
     return found if isinstance(found, dict) else {}

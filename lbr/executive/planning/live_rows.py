@@ -28,6 +28,7 @@ from lbr.executive.services import Service
 from lbr.messages.calibration import CalibrationValue
 from lbr.messages.codes import Code
 from lbr.messages.rows import Row, by_table
+from lbr.messages.schema import JsonObject
 from lbr.messages.unreadable import UNREADABLE
 
 LOOK_S = 0.2
@@ -213,7 +214,7 @@ class LiveRows(Service):
 
 def _whole(row: type[Row], told: Raw, known: Mapping[RowKey, Any]) -> Iterator[Row]:
     """Yield learnt rows as whole rows: only changes of known rows are reported, and deleted rows stay deleted."""
-    for one in msgspec.json.decode(told, type=list[dict[str, Any]]):
+    for one in msgspec.json.decode(told, type=list[JsonObject]):
         before = known.get((row.TABLE, tuple(one.get(column) for column in row.KEY)), {})
         if before or one.keys() >= set(row.__struct_fields__):
             yield msgspec.convert({**before, **one}, row)

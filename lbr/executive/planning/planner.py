@@ -4,9 +4,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from functools import cache, partial
 from pathlib import Path
-from typing import Any
 
 import msgspec
+from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.bus.door import LanUser, TokenRight
@@ -50,7 +50,7 @@ def make(
     rows = _listening(rows, (*profile.listen, *site.listen))
     problems = list(rows.problems)
     kinds: dict[str, Kind] = {}
-    settings: dict[str, Any] = {}
+    settings: dict[str, Struct] = {}
     there = {(row.name, row.kind) for row in before.capabilities} if before is not None else set()
     for row, label, bad in _named(rows):
         may_lack = before is None or (row.name, row.kind) in there
@@ -138,7 +138,7 @@ def _find(find: Find, home: Path, kind: str) -> Kind | Exception:
 
 def _understand(
     row: CapabilityRow, label: str, known: Callable[[str], Kind | Exception], bad: AbstractSet[str], *, may_lack: bool
-) -> tuple[Kind | None, Any, list[Problem]]:
+) -> tuple[Kind | None, Struct | None, list[Problem]]:
     """Return a capability's kind and settings, as far as its columns are valid, and the faults in them."""
     if row.name == EXECUTIVE and "name" not in bad:
         text = "'executive' is the runtime itself; choose another"

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import msgspec
 from msgspec import Struct
@@ -64,7 +64,7 @@ class ProcessSpec(Struct, frozen=True, kw_only=True):
 def unit(
     row: CapabilityRow,
     kinds: Mapping[str, Kind],
-    settings: Any,
+    settings: Struct,
     rows: RobotRows,
     channels: list[ChannelRow],
     profile: Profile,
@@ -150,7 +150,7 @@ def with_lan(
     )
     folder = Path(site.home) / "credentials"
     config = LanConfig(
-        listen=tuple(kinds[unit.name].parse(bytes(unit.config.settings)).listen),
+        listen=tuple(getattr(kinds[unit.name].parse(bytes(unit.config.settings)), "listen", ())),
         link=site.credentials(f"@{unit.name}"),
         users=_users(rows, site, "bus"),
         streams=streams_of(robot, peers),
@@ -174,7 +174,7 @@ def with_learnt(unit: ProcessSpec, rows: Mapping[str, msgspec.Raw]) -> ProcessSp
     return replace(unit, config=replace(unit.config, rows=with_rows(unit.config.rows, rows)))
 
 
-def read_by(read: Read, settings: Any, rows: Iterable[Row]) -> tuple[Row, ...]:
+def read_by(read: Read, settings: Struct, rows: Iterable[Row]) -> tuple[Row, ...]:
     """Return the rows of a table that a kind receives with such settings."""
     wanted = {column: getattr(settings, setting) for column, setting in read.where.items()}
     return tuple(row for row in rows if all(_fits(getattr(row, column), value) for column, value in wanted.items()))
@@ -199,7 +199,7 @@ def _put(units: Iterable[ProcessSpec]) -> Iterator[tuple[ProcessSpec, str]]:
     return ((unit, wire.key) for unit in units for wires in unit.config.outputs.values() for wire in wires)
 
 
-def _read(read: Read, settings: Any, rows: RobotRows, site: RunIdentity, profile: Profile) -> RowSet:
+def _read(read: Read, settings: Struct, rows: RobotRows, site: RunIdentity, profile: Profile) -> RowSet:
     """Return the rows of a table that a kind reads: users with the secrets of their tokens, rights without."""
     if read.row is LanUser:
         return row_set(read.row, _users(rows, site, "web"))

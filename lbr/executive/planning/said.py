@@ -1,7 +1,8 @@
 """Lines that capabilities send, such as a gamepad's buttons: the robot must know each of them, for its role."""
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+
+from msgspec import Struct
 
 from lbr.capability.kind import Kind
 from lbr.console.verbs import PythonLine, VerbCall, Vocabulary
@@ -20,7 +21,7 @@ def vocabulary(rows: RobotRows, kinds: Mapping[str, Kind]) -> Vocabulary:
     return Vocabulary(rows.verbs, rows.external_commands, messages, least_roles(kinds))
 
 
-def problems(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, Any]) -> Iterator[Problem]:
+def problems(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, Struct]) -> Iterator[Problem]:
     """Yield the faults in the lines that capabilities send."""
     words = vocabulary(rows, kinds)
     wired = {row.source_end for row in rows.channels if row.enabled and row.target == LINE}

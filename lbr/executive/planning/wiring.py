@@ -6,9 +6,9 @@ The database checks that the capabilities in these rows exist; unknown ones are 
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
-from typing import Any
 
 import msgspec
+from msgspec import Struct
 
 from lbr.capability.kind import Kind
 from lbr.capability.program import ProgramSettings
@@ -18,7 +18,7 @@ from lbr.messages.faces import EditCommand
 from lbr.messages.system import EstopResetCommand, LineCommand, Role
 
 EXECUTIVE = "executive"
-EXECUTIVE_COMMANDS: Mapping[str, type[msgspec.Struct]] = {
+EXECUTIVE_COMMANDS: Mapping[str, type[Struct]] = {
     "edit": EditCommand,
     "estop_reset": EstopResetCommand,
     "line": LineCommand,
@@ -53,11 +53,11 @@ def least_roles(kinds: Mapping[str, Kind]) -> dict[str, Role]:
 
 
 _FIELD = re.compile(r"\{([a-z_]+)(?:\.\.\.)?\}")
-ANY = object()
+ANY = Struct
 """The type of a program's port, which only the program knows."""
 
 
-def check_channels(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, Any]) -> list[Problem]:
+def check_channels(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, Struct]) -> list[Problem]:
     """Return the faults in the channel rows."""
     problems: list[Problem] = []
     feeders: dict[str, str] = {}
@@ -76,7 +76,7 @@ def check_channels(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping
 
 
 def _check_channel(
-    row: ChannelRow, label: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], bad: AbstractSet[str]
+    row: ChannelRow, label: str, kinds: Mapping[str, Kind], settings: Mapping[str, Struct], bad: AbstractSet[str]
 ) -> list[Problem]:
     """Return the faults in the ends of a channel, except in columns that are already bad."""
     source, target = row.source_end, row.target_end
@@ -94,7 +94,7 @@ def _check_channel(
         return problems
     sends, takes = sent[source[1]], accepted[target[1]]
     if not _same(sends, takes):
-        names_of = f"{_type_name(sends)}, and {row.target} takes {_type_name(takes)}"
+        names_of = f"{sends.__name__}, and {row.target} takes {takes.__name__}"
         problems.append(Problem("channel", label, "target", f"{row.source} sends {names_of}"))
     return problems
 
@@ -125,8 +125,8 @@ def _same_type(kind: Kind, port: str, peer: Kind, to: str, *, asks: bool) -> str
 
 
 def _accepted_ports(
-    name: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], asks: bool | None
-) -> dict[str, Any]:
+    name: str, kinds: Mapping[str, Kind], settings: Mapping[str, Struct], asks: bool | None
+) -> dict[str, type[Struct]]:
     """Return the ports that accept requests or streams; both, if it is unknown which one the channel carries."""
     if name == EXECUTIVE:
         return {} if asks is False else dict(EXECUTIVE_COMMANDS)
@@ -134,7 +134,9 @@ def _accepted_ports(
     return _ports(name, kinds, settings, *groups)
 
 
-def _ports(name: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], *which: str) -> dict[str, Any]:
+def _ports(
+    name: str, kinds: Mapping[str, Kind], settings: Mapping[str, Struct], *which: str
+) -> dict[str, type[Struct]]:
     own = settings.get(name)
     if isinstance(own, ProgramSettings):
         return {port: ANY for group in which for port in getattr(own, group, ())}
@@ -142,7 +144,7 @@ def _ports(name: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], *w
     return {port: message for group in groups for port, message in getattr(kinds[name], group).items()}
 
 
-def _same(sends: Any, takes: Any) -> bool:
+def _same(sends: type[Struct], takes: type[Struct]) -> bool:
     """Return whether two ports carry one type; a user's files may declare the same type twice."""
     if sends is takes or ANY in {sends, takes}:
         return True
@@ -153,11 +155,7 @@ def _no_port(end: tuple[str, str], what: str, there: Iterable[str]) -> str:
     return f"'{end[0]}' has no {what} '{end[1]}'; it has {', '.join(sorted(there)) or 'none'}"
 
 
-def _type_name(kind: Any) -> str:
-    return str(getattr(kind, "__name__", kind))
-
-
-def check_verbs(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, Any]) -> list[Problem]:
+def check_verbs(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, Struct]) -> list[Problem]:
     """Return the faults in the verb rows."""
     all_rows = [(row, f"{rows.robot.name}/{row.word}/{row.pattern}", frozenset[str]()) for row in rows.verbs]
     all_rows += [(one.row, one.label, one.columns) for one in rows.faulty if one.table == "verb"]
@@ -166,7 +164,7 @@ def check_verbs(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[st
 
 
 def _check_verb(
-    row: VerbRow, label: str, kinds: Mapping[str, Kind], settings: Mapping[str, Any], bad: AbstractSet[str]
+    row: VerbRow, label: str, kinds: Mapping[str, Kind], settings: Mapping[str, Struct], bad: AbstractSet[str]
 ) -> list[Problem]:
     """Return the faults in its target, its pattern and its payload, except in columns that are already bad."""
     owner, command = row.target_end

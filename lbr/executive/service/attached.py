@@ -3,7 +3,6 @@
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import msgspec
 
@@ -14,7 +13,7 @@ WITHIN_S = 9.0
 LONGEST_TEXT = 300
 
 
-def look(robot: str, database: Path) -> Any:
+def look(robot: str, database: Path) -> object:
     """Return the output of `lbr devices --json`, which writes nothing; raise InputError if it fails."""
     words = [sys.executable, "-m", "lbr.start", "devices", "--json", "--robot", robot, "--db", str(database)]
     try:

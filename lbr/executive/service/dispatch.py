@@ -7,7 +7,7 @@ import json
 import time
 import traceback
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import msgspec
 
@@ -27,6 +27,7 @@ from lbr.executive.service.reports import Reports
 from lbr.executive.service.robot import Robot
 from lbr.messages.codes import Reason
 from lbr.messages.leases import StopCommand
+from lbr.messages.schema import JsonObject
 from lbr.messages.system import RANKS, CapabilityStatus, ConsoleResult, Hold, Role
 from lbr.why import telling
 from lbr.why.chain import explain
@@ -84,7 +85,7 @@ class _Speaker(NamedTuple):
 class Dispatcher:
     """Executes lines. Blocks the calling thread until the robot answers, two seconds at most."""
 
-    def __init__(self, robot: Robot, bus: Session, namespace: Mapping[str, Any]) -> None:
+    def __init__(self, robot: Robot, bus: Session, namespace: Mapping[str, object]) -> None:
         self._robot = robot
         self._bus = bus
         self._reports = Reports(robot, bus)
@@ -194,9 +195,7 @@ class Dispatcher:
             return ConsoleResult(code=FAILED, text=text, reason_code="unreachable")
         return self._result_of(call, payload, answer, by)
 
-    def _result_of(
-        self, call: VerbCall, payload: dict[str, Any], answer: dict[str, Any], by: _Speaker
-    ) -> ConsoleResult:
+    def _result_of(self, call: VerbCall, payload: JsonObject, answer: JsonObject, by: _Speaker) -> ConsoleResult:
         if "accepted" not in answer:
             return ConsoleResult(code=DONE, text=json.dumps(answer), reason_code="done", data=answer)
         reason = str(answer.get("reason", ""))
@@ -228,7 +227,7 @@ class Dispatcher:
         settings = self._robot.plan.kinds[name].parse(self._robot.plan.units[name].config.settings)
         return float(getattr(settings, "max_run_s", BOUNDED_RUN_S if bounded else MAX_RUN_S))
 
-    def _query(self, call: VerbCall, payload: dict[str, Any], by: _Speaker) -> dict[str, Any] | None:
+    def _query(self, call: VerbCall, payload: dict[str, object], by: _Speaker) -> dict[str, object] | None:
         key = keys.port(self._robot.plan.robot, call.capability, call.command)
         answers = wire.ask(
             self._bus,
@@ -309,7 +308,7 @@ class Dispatcher:
         self._robot.restart(name)
         return ConsoleResult(code=DONE, text=f"'{name}' is restarting")
 
-    def _address(self, name: str, timeout_s: float) -> dict[str, Any] | None:
+    def _address(self, name: str, timeout_s: float) -> dict[str, object] | None:
         """Return the address of a server; None if it does not answer."""
         key = keys.port(self._robot.plan.robot, name, "address")
         for answer in wire.ask(self._bus, key, {}, source=EXECUTIVE, timeout_s=timeout_s):
@@ -349,7 +348,7 @@ def _stopped(name: str, answer: object) -> tuple[str, bool]:
     return f"'{name}' did not stop: {reason or 'it gave no reason'}", False
 
 
-def _evaluate(code: str, namespace: dict[str, Any]) -> Any:
+def _evaluate(code: str, namespace: dict[str, object]) -> object:
     try:
         tree = ast.parse(code, mode="eval")
     except SyntaxError:

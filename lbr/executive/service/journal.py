@@ -5,7 +5,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from math import inf
-from typing import Any, Literal
+from typing import Literal
 
 import msgspec
 
@@ -19,6 +19,7 @@ from lbr.errors import LbrError, MalformedError
 from lbr.executive.planning.wiring import EXECUTIVE
 from lbr.executive.services import Service
 from lbr.messages.codes import Code
+from lbr.messages.schema import JsonObject
 from lbr.messages.system import Event, Stamp
 
 WRITE_EVERY_S = 0.25
@@ -115,7 +116,7 @@ class Journal(Service):
         level: str = "info",
         code: str | None = None,
         *,
-        data: dict[str, Any] | None = None,
+        data: JsonObject | None = None,
         about: str = "",
     ) -> None:
         """Publish an event with its own code or that of its kind; from the executive's own thread."""

@@ -4,7 +4,7 @@ import contextlib
 import ipaddress
 import time
 from collections.abc import Callable, Iterator
-from typing import Any, get_args
+from typing import get_args
 
 from msgspec.structs import replace
 
@@ -14,6 +14,7 @@ from lbr.errors import InputError
 from lbr.executive.planning import credentials
 from lbr.executive.service.pairing import GOOD_FOR_S, WRONG_TRIES
 from lbr.executive.service.robot import Robot
+from lbr.messages.schema import JsonObject
 from lbr.messages.system import ConsoleResult, Role
 
 EVERYWHERE, HERE = "0.0.0.0", "127.0.0.1"  # noqa: S104 - what the word `open` is for
@@ -30,7 +31,7 @@ class LettingIn:
     def __init__(
         self,
         robot: Robot,
-        address: Callable[[str, float], dict[str, Any] | None],
+        address: Callable[[str, float], JsonObject | None],
         *,
         clock: Callable[[], float] = time.monotonic,
         pause: Callable[[float], None] = time.sleep,
@@ -147,7 +148,7 @@ class LettingIn:
     def _host(self, name: str) -> str:
         """Return the address at which a server's row makes it listen."""
         plan = self._robot.plan
-        return str(plan.kinds[name].parse(bytes(plan.units[name].config.settings)).host)
+        return str(getattr(plan.kinds[name].parse(bytes(plan.units[name].config.settings)), "host", ""))
 
     def _serving(self, name: str) -> dict[str, object] | None:
         """Return where a server listens; None if it does not serve."""

@@ -86,7 +86,7 @@ class Pages:
         """Return a refusal."""
         return ManageReply(accepted=False, reason=reason, code=code)
 
-    def _end(self, command: Any, reply: Reply) -> bool:
+    def _end(self, command: object, reply: Reply) -> bool:
         """Report the changes; return whether rows were written."""
         match command:
             case ChangeRows(write=True):

@@ -21,6 +21,7 @@ from lbr.messages import readable
 from lbr.messages.camera import JpegFrame
 from lbr.messages.drive import DriveState
 from lbr.messages.joints import JointsState
+from lbr.messages.schema import JsonObject
 from lbr.messages.telemetry import Telemetry
 
 ANSWERS_WITHIN_S = 1.0
@@ -65,11 +66,11 @@ class Reports:
         }
         return data, texts[name]() if name in texts else flat(data)
 
-    def telemetry(self) -> dict[str, Any]:
+    def telemetry(self) -> dict[str, object]:
         """Return the latest message of every stream except pictures, with its age."""
         return self._latest(key for _, _, key, message in self._robot.plan.outputs() if message is not JpegFrame)
 
-    def _latest(self, keys: Iterable[str]) -> dict[str, Any]:
+    def _latest(self, keys: Iterable[str]) -> JsonObject:
         """Return the latest messages by capability and output; all streams are asked at once."""
         found = latest.ask(self._bus, keys, source="executive", timeout_s=ANSWERS_WITHIN_S)
         return {
@@ -77,28 +78,28 @@ class Reports:
             for topic, said in sorted(found.items())
         }
 
-    def _telemetry_text(self, data: dict[str, Any]) -> str:
+    def _telemetry_text(self, data: JsonObject) -> str:
         """Return the robot's own telemetry package part by part, and then every stream."""
         plan = self._robot.plan
         packages = {key.removeprefix(f"{plan.robot}/") for *_, key, message in plan.outputs() if message is Telemetry}
         parts = {name: part for key in packages for name, part in data.get(key, {}).items() if isinstance(part, dict)}
         return flat(parts | {name: fields for name, fields in data.items() if name not in packages})
 
-    def _wiring(self) -> dict[str, Any]:
+    def _wiring(self) -> dict[str, object]:
         graph = wiring.graph(self._robot.plan.rows, *wiring.running(self._robot.status()))
         return dict(msgspec.to_builtins(graph))
 
-    def _description(self) -> dict[str, Any]:
+    def _description(self) -> dict[str, object]:
         """Return the robot's description: capabilities with their schemas, words, and the rows for people."""
         plan = self._robot.plan
         words = self._robot.vocabulary.entries(choices(plan, home.home()))
         return dict(msgspec.to_builtins(describe(plan, words)))
 
-    def _settings(self) -> dict[str, Any]:
+    def _settings(self) -> dict[str, object]:
         units = self._robot.plan.units.values()
         return {unit.name: {"kind": unit.kind} | msgspec.json.decode(unit.config.settings) for unit in units}
 
-    def _statistics(self) -> dict[str, Any]:
+    def _statistics(self) -> JsonObject:
         status = self._robot.status()
         fields = ("rates_hz", "restarts", "uptime_s", "cpu_percent", "memory_mb")
         statistics = {unit.name: {field: getattr(unit, field) for field in fields} for unit in status.capabilities}
@@ -119,7 +120,7 @@ class Reports:
         return "\n".join([*lines, stop])
 
 
-def streams(plan: Plan) -> dict[str, Any]:
+def streams(plan: Plan) -> dict[str, object]:
     """Return the streams of a plan with their schemas, for a recorder: a `RecordedStreams`."""
     recorded = {}
     for name, output, key, message in plan.outputs():
@@ -134,25 +135,25 @@ def streams(plan: Plan) -> dict[str, Any]:
     return {"revision": plan.rows.revision, "streams": list(recorded.values()), "programs": programs}
 
 
-def rows(plan: Plan, profile: str) -> dict[str, Any]:
+def rows(plan: Plan, profile: str) -> JsonObject:
     """Return the rows of a plan and their meaning, for a recorder: a `RecordedRows`."""
     tables = {name: own for name, own in plan.rows.tables.own.items() if name not in SECRET}
     return {"revision": plan.rows.revision, "facts": msgspec.to_builtins(facts(plan, profile)), "tables": tables}
 
 
-def flat(data: dict[str, Any]) -> str:
+def flat(data: JsonObject) -> str:
     """Return one line for each part, for people: values with their units."""
     return "\n".join(f"{name}: {readable.fields(part)}" for name, part in data.items()) or "nothing yet"
 
 
-def _as_written(settings: dict[str, Any]) -> str:
+def _as_written(settings: dict[str, object]) -> str:
     """Return settings with the names and values of a row."""
     return ", ".join(
         f"{name} {value if isinstance(value, str) else json.dumps(value)}" for name, value in settings.items()
     )
 
 
-def _events_text(events: list[dict[str, Any]]) -> str:
+def _events_text(events: list[JsonObject]) -> str:
     lines = [
         f"{time.strftime('%H:%M:%S', time.localtime(e['wall_ns'] / 1e9))} {e['subject']}: {e['text']}" for e in events
     ]

@@ -57,7 +57,7 @@ def _mounted(target: Here, mount: str) -> tuple[str, str] | None:
     return None
 
 
-def _camera(name: str, camera: Mapping[str, Any], target: Here) -> Iterator[Want | Note]:
+def _camera(name: str, camera: Mapping[str, object], target: Here) -> Iterator[Want | Note]:
     row = short(name)
     mounted = _mounted(target, name)
     if not camera["device"]:
@@ -88,7 +88,7 @@ def _camera(name: str, camera: Mapping[str, Any], target: Here) -> Iterator[Want
             )
 
 
-def _controls(controls: Mapping[str, Any]) -> Iterator[tuple[str, str, Any]]:
+def _controls(controls: Mapping[str, object]) -> Iterator[tuple[str, str, object]]:
     """Yield each control: its name, its place, and its value; the original puts some in groups."""
     for name, value in controls.items():
         if name in _GROUPS and isinstance(value, dict):

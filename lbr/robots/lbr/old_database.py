@@ -55,10 +55,10 @@ class OldDatabase(NamedTuple):
             yield from _command(row, target, self.folder)
         yield from self._others(robot)
 
-    def _of(self, robot: Mapping[str, Any], table: str) -> list[Mapping[str, Any]]:
+    def _of(self, robot: Mapping[str, object], table: str) -> list[Mapping[str, object]]:
         return [row for row in self.tables.get(table, ()) if row.get("robot_id") == robot["robot_id"]]
 
-    def _others(self, robot: Mapping[str, Any]) -> Iterator[Note]:
+    def _others(self, robot: Mapping[str, object]) -> Iterator[Note]:
         names = {row.get("robot_id"): row.get("name") for row in self.tables["robot"]}
         for table, rows in self.tables.items():
             if table == "robot":
@@ -86,7 +86,7 @@ def read(source: Source) -> OldData | None:
     return OldDatabase(tables, source.folder)
 
 
-def _chosen(tables: ForeignTables, target: Here, choice: Choice) -> Mapping[str, Any]:
+def _chosen(tables: ForeignTables, target: Here, choice: Choice) -> Mapping[str, object]:
     robots = tables["robot"]
     model = next((row["model"] for row in target.rows("robot")), "")
     wanted = choice.of or (model if len(robots) > 1 else robots[0]["name"])
@@ -147,7 +147,7 @@ def _calibration(rows: Sequence[Mapping[str, Any]], target: Here) -> Iterator[Wa
     yield Note("changed", "calibration", ", ".join(values), "value", text)
 
 
-def _wheels(row: Mapping[str, Any], target: Here) -> Iterator[Want | Note]:
+def _wheels(row: Mapping[str, object], target: Here) -> Iterator[Want | Note]:
     name = short(row.get("robot_id"))
     odometry = [one["name"] for one in target.rows("capability") if one["kind"] == "odometry"]
     counted = bool(target.rows("wheel"))
@@ -205,7 +205,7 @@ def _wheel(target: Here, channel: int) -> tuple[str, str] | None:
     return None
 
 
-def _command(row: Mapping[str, Any], target: Here, folder: str) -> Iterator[Want | Note]:
+def _command(row: Mapping[str, object], target: Here, folder: str) -> Iterator[Want | Note]:
     word, program = short(row.get("cmd_name")), str(row.get("target") or "")
     if word in _KNOWN and any(one["name"] == _KNOWN[word] for one in target.rows("external_command")):
         yield no_place("extcmd", word, "target", f"'{_KNOWN[word]}' is here already, as a program of lbr")

@@ -1,10 +1,12 @@
 """Two ways to draw a camera's view: OpenGL without a screen, and rays for a machine without it."""
 
-from typing import Any, Protocol
+from types import ModuleType
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lbr.simulation.bindings import MjData, MjModel
 from lbr.simulation.cameras.egl import EglContext
 
 Image = NDArray[np.uint8]
@@ -36,7 +38,7 @@ class GlRenderer:
 
     name = "OpenGL (EGL)"
 
-    def __init__(self, mujoco: Any, model: Any, data: Any) -> None:
+    def __init__(self, mujoco: ModuleType, model: MjModel, data: MjData) -> None:
         self._mujoco, self._model, self._data = mujoco, model, data
         self._egl = EglContext()
         self._room = (model.vis.global_.offwidth, model.vis.global_.offheight)
@@ -76,7 +78,7 @@ class RayRenderer:
 
     name = "rays"
 
-    def __init__(self, mujoco: Any, model: Any, data: Any) -> None:
+    def __init__(self, mujoco: ModuleType, model: MjModel, data: MjData) -> None:
         self._mujoco, self._model, self._data = mujoco, model, data
         self._colours = (model.geom_rgba[:, :3] * 255).astype(np.float32)
         self._groups = np.array([1, 1, 1, 0, 0, 0], dtype=np.uint8)

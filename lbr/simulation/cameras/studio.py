@@ -5,11 +5,12 @@ import importlib
 import io
 import os
 from contextlib import suppress
-from typing import Any
+from types import ModuleType
 
 import numpy as np
 
 from lbr.errors import LbrError
+from lbr.simulation.bindings import MjModel
 from lbr.simulation.cameras.renderers import GlRenderer, Image, RayRenderer, Renderer
 from lbr.simulation.cameras.view import SharedView, show
 from lbr.simulation.devices.camera import CameraFaults
@@ -24,9 +25,9 @@ _GARBAGE_BYTES = 2000
 class Studio:
     """Draws one picture at a time, of a model of its own; raises LbrError if no renderer works here."""
 
-    def __init__(self, model: Any, view: SharedView, *, use_gl: bool) -> None:
+    def __init__(self, model: MjModel, view: SharedView, *, use_gl: bool) -> None:
         try:
-            self._pillow: Any = importlib.import_module("PIL.Image")
+            self._pillow: ModuleType = importlib.import_module("PIL.Image")
         except ImportError as err:
             raise LbrError(f"pictures need Pillow ({err}); install lbr with its extra 'sim'") from err
         self.note = ""

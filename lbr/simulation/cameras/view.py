@@ -3,11 +3,12 @@
 import mmap
 import os
 import struct
-from typing import Any
+from types import ModuleType
 from zlib import crc32
 
 import numpy as np
 
+from lbr.simulation.bindings import MjData, MjModel
 from lbr.simulation.model import PLACEABLE
 from lbr.simulation.placing import resize
 
@@ -45,13 +46,13 @@ class SharedView:
         os.close(self.descriptor)
 
 
-def view_of(model: Any, data: Any) -> bytes:
+def view_of(model: MjModel, data: MjData) -> bytes:
     """Return the positions of all bodies, and the sizes of placed ones."""
     sizes = [model.geom(name).size for name in _placeable(model)]
     return b"".join(part.tobytes() for part in (data.qpos, data.mocap_pos, data.mocap_quat, np.array(sizes)))
 
 
-def show(mujoco: Any, model: Any, data: Any, view: bytes) -> None:
+def show(mujoco: ModuleType, model: MjModel, data: MjData, view: bytes) -> None:
     """Restore the positions from a view."""
     values, at = np.frombuffer(view), 0
     for part in (data.qpos, data.mocap_pos, data.mocap_quat):
@@ -64,7 +65,7 @@ def show(mujoco: Any, model: Any, data: Any, view: bytes) -> None:
     mujoco.mj_camlight(model, data)
 
 
-def _placeable(model: Any) -> tuple[str, ...]:
+def _placeable(model: MjModel) -> tuple[str, ...]:
     """Return the bodies that may change their size; only a room has them."""
     return PLACEABLE if model.nmocap and model.body(1).name == PLACEABLE[0] else ()
 

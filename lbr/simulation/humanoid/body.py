@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +12,7 @@ from lbr.messages.joints import Joint
 from lbr.messages.units import Vector
 from lbr.robot import registry
 from lbr.simulation.balls import BALL, Ball, first_place
+from lbr.simulation.bindings import MjModel, MjsBody, MjSpec
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.physics import mujoco
 
@@ -34,7 +34,7 @@ class Body:
     cameras.
     """
 
-    model: Any
+    model: MjModel
     trunk: int
     feet: dict[str, int]
     solid: Mask
@@ -98,14 +98,14 @@ def heading_rad(trunk_axes: NDArray[np.float64]) -> float:
     return float(np.arctan2(-left[0], left[1]))
 
 
-def _parsed(path: Path) -> Any:
+def _parsed(path: Path) -> MjSpec:
     try:
         return mujoco.MjSpec.from_file(str(path))
     except (ValueError, mujoco.FatalError) as err:
         raise InputError(f"body {path}: {' '.join(str(err).split())}") from err
 
 
-def _checked(path: Path, spec: Any, rows: tuple[Joint, ...]) -> Any:
+def _checked(path: Path, spec: MjSpec, rows: tuple[Joint, ...]) -> MjsBody:
     """Return the body to which all others are attached."""
     tops = list(spec.worldbody.bodies)
     free = [joint for joint in spec.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
@@ -127,7 +127,7 @@ def _checked(path: Path, spec: Any, rows: tuple[Joint, ...]) -> Any:
     return tops[0]
 
 
-def _stiff(model: Any, row: Joint) -> str:
+def _stiff(model: MjModel, row: Joint) -> str:
     """Report a joint with hardly any range, against its row: then its angles have the other unit."""
     joint = model.joint(row.name)
     lowest, highest = map(float, joint.range)
@@ -139,7 +139,7 @@ def _stiff(model: Any, row: Joint) -> str:
     )
 
 
-def _surround(spec: Any, trunk: Any, field_ut: Vector) -> None:
+def _surround(spec: MjSpec, trunk: MjsBody, field_ut: Vector) -> None:
     """Add the parts of every body: a floor, a hand that can hold it by its trunk, and its inertial unit's sensors."""
     spec.option.timestep = TIMESTEP_S
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
@@ -168,7 +168,7 @@ def _surround(spec: Any, trunk: Any, field_ut: Vector) -> None:
         spec.add_sensor(type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=IMU)
 
 
-def _add_ball(world: Any, name: str, ball: Ball) -> None:
+def _add_ball(world: MjsBody, name: str, ball: Ball) -> None:
     """Add a visible ball that moves by itself."""
     body = world.add_body(name=BALL.format(name), mocap=True, pos=first_place(ball))
     colour = [*(int(ball.colour[at : at + 2], 16) / 255 for at in (1, 3, 5)), 1.0]

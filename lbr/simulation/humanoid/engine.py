@@ -11,6 +11,7 @@ from lbr.errors import InputError
 from lbr.messages.joints import Joint
 from lbr.simulation.balls import Balls
 from lbr.simulation.battery import BatteryState
+from lbr.simulation.bindings import MjData
 from lbr.simulation.cameras.view import view_of
 from lbr.simulation.humanoid.body import FLOOR, TIMESTEP_S, Body, heading_rad, load, model_file
 from lbr.simulation.humanoid.grip import Grip
@@ -59,7 +60,7 @@ class HumanoidEngine:
         self.pick_up()
 
     @property
-    def data(self) -> Any:
+    def data(self) -> MjData:
         """Return the physics engine's state, for reading."""
         return self._data
 

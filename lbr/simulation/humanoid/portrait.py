@@ -3,10 +3,11 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from math import degrees
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lbr.simulation.bindings import MjData, MjModel
 from lbr.simulation.humanoid.body import Body, heading_rad
 from lbr.simulation.humanoid.servos import Floats
 from lbr.simulation.messages import HumanoidPose
@@ -61,7 +62,7 @@ def portrait(body: Body, view: bytes, pose: HumanoidPose, size: tuple[int, int])
     return picture
 
 
-def _faces(model: Any, data: Any, trunk: int) -> list[tuple[Floats, Floats, Colour]]:
+def _faces(model: MjModel, data: MjData, trunk: int) -> list[tuple[Floats, Floats, Colour]]:
     """Return every visible face of the robot: its corners, normal and colour; round bodies as their bounding boxes."""
     faces = []
     for geom in range(model.ngeom):

@@ -1,7 +1,5 @@
 """The rest of a body that stands or lies: its physics would only shake it, by less than a servo's step."""
 
-from typing import Any
-
 import numpy as np
 
 from lbr.simulation.humanoid.servos import Floats
@@ -17,7 +15,7 @@ SAG_V = 0.1
 class Stillness:
     """Detects rest: `look` at a body at intervals; `end` its rest with each push."""
 
-    def __init__(self, places: Any) -> None:
+    def __init__(self, places: Floats) -> None:
         count = len(places) - 7
         self._most = np.repeat((STILL_M, STILL_RAD / 2, STILL_RAD), (3, 4, count))  # a quaternion has half the angle
         self._low: Floats | None = None
@@ -33,7 +31,7 @@ class Stillness:
         """Begin anew."""
         self._low = self._rested_v = None
 
-    def look(self, places: Any, time_s: float, supply_v: float, *, about_to: bool) -> bool:
+    def look(self, places: Floats, time_s: float, supply_v: float, *, about_to: bool) -> bool:
         """Note its place; return whether a rest begins now. `about_to`: something is about to move it."""
         self._rested_v = None
         if self._low is not None and not about_to:

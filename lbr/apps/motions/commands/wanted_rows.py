@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from json import dumps
-from typing import Any
 
 import msgspec
 from msgspec import Struct
@@ -18,6 +17,7 @@ from lbr.messages.faces import Button, Motor
 from lbr.messages.joints import Joint, Motion, MotionRow, MotionStep, motions_of
 from lbr.messages.plain import one_line
 from lbr.messages.rows import Row, short
+from lbr.messages.schema import JsonObject
 from lbr.robot.old_data import Note, Want
 
 TABLES: Mapping[str, type[Row]] = {
@@ -249,7 +249,7 @@ def _get(row: Mapping[str, object], column: str) -> object:
     return value
 
 
-def _set(row: dict[str, Any], path: Sequence[str], value: object) -> None:
+def _set(row: JsonObject, path: Sequence[str], value: object) -> None:
     name, *inner = path
     if not inner:
         row[name] = value

@@ -21,7 +21,7 @@ MOST_WAITING = 4
 class Past:
     """The pending questions, oldest first."""
 
-    def __init__(self, ctx: Context[Any], shelf: Shelf) -> None:
+    def __init__(self, ctx: Context[Struct], shelf: Shelf) -> None:
         self._ctx = ctx
         self._shelf = shelf
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="past")

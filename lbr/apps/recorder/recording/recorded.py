@@ -1,8 +1,8 @@
 """The description of a robot for a recorder: the reports `streams` and `rows`."""
 
-from typing import Any
-
 from msgspec import Raw, Struct
+
+from lbr.messages.schema import JsonObject
 
 
 class RecordedStream(Struct, frozen=True, kw_only=True):
@@ -28,4 +28,4 @@ class RecordedRows(Struct, frozen=True, kw_only=True):
 
     revision: int
     facts: Raw
-    tables: dict[str, list[dict[str, Any]]] = {}
+    tables: dict[str, list[JsonObject]] = {}

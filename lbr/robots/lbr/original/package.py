@@ -8,9 +8,10 @@ failing sensor, and -1 without a fresh reading.
 import time
 from collections.abc import Callable, Mapping
 from math import degrees
-from typing import Any
+from typing import Any, TypeVar
 
 from lbr.capability.context import Received
+from lbr.messages.schema import JsonObject
 from lbr.messages.sensing import Ranges
 from lbr.messages.telemetry import AmperagesPart, BatteryPart, CountsPart, ImuPart, Telemetry, VoltagesPart
 
@@ -25,13 +26,14 @@ LOW_V = 10.6
 LASTING = ("amperages", "Bat", "Count")
 """Parts that keep their last values, as `MPU` does: state machines read them in every round."""
 OFF = {"device": "", "status": "off"}
+P = TypeVar("P", ImuPart, AmperagesPart, BatteryPart, CountsPart, VoltagesPart)
 
 
 def package(
     telemetry: Received | None, ranges: Received | None, now: float, wall: float, over_range_cm: int
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """Return the telemetry, `now` by the clock of messages' dates and `wall` in seconds since 1970."""
-    telling: dict[str, Any] = {}
+    telling: dict[str, object] = {}
     if ranges is not None:
         age_s = ranges.age_s(now)
         telling["Ranges"] = _ranges(ranges.message, over_range_cm, fresh=age_s <= STALE_S)
@@ -41,7 +43,7 @@ def package(
     parts: Telemetry = telemetry.message
     more_s = telemetry.age_s(now)
 
-    def add(name: str, part: Any, make: Callable[[Any, float], Any]) -> None:
+    def add(name: str, part: P | None, make: Callable[[P, float], object]) -> None:
         made = make(part, round(wall - more_s - part.age_s, 3)) if part is not None else None
         if made is not None:
             telling[name] = made
@@ -59,7 +61,7 @@ def package(
     return telling
 
 
-def lasting(before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, Any]:
+def lasting(before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, object]:
     """Return the telemetry, completed with previous parts; each of these keeps its own old time."""
     completed = {**{name: before[name] for name in LASTING if name in before}, **now}
     if imu := _lasting_imu(before.get("MPU", {}), now.get("MPU", {})):
@@ -67,7 +69,7 @@ def lasting(before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, Any]
     return completed
 
 
-def cameras(telemetry: Received | None) -> dict[str, Any]:
+def cameras(telemetry: Received | None) -> dict[str, object]:
     """Return the cameras and their switches; `off` means no camera."""
     part = telemetry.message.cameras if telemetry is not None else None
     if part is None:
@@ -78,7 +80,7 @@ def cameras(telemetry: Received | None) -> dict[str, Any]:
     return {**states, "off": dict(OFF)}
 
 
-def with_beams(telemetry: dict[str, Any], seen: Mapping[str, float], wall: float) -> dict[str, Any]:
+def with_beams(telemetry: JsonObject, seen: Mapping[str, float], wall: float) -> dict[str, object]:
     """Return the package with beams of the dock reported by others: the age of each beam, in seconds."""
     if not seen:
         return telemetry
@@ -88,7 +90,7 @@ def with_beams(telemetry: dict[str, Any], seen: Mapping[str, float], wall: float
     return {**telemetry, "dockSignal": {"time": max(newest, signal["time"]), **merged}}
 
 
-def _lasting_imu(before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, Any]:
+def _lasting_imu(before: Mapping[str, object], now: Mapping[str, object]) -> dict[str, object]:
     """Return the inertial unit's values, completed with previous ones: as old as the oldest."""
     kept = {name: one for name, one in before.items() if one is not None and now.get(name) is None}
     return {**now, **kept, "time": before["time"]} if kept else dict(now)
@@ -107,7 +109,7 @@ def _cm(ranges: Ranges, sensor: str, over_range_cm: int) -> int:
     return over_range_cm if ranges.status.get(sensor) == "over_range" else 0
 
 
-def _mpu(part: ImuPart, at: float) -> dict[str, Any]:
+def _mpu(part: ImuPart, at: float) -> dict[str, object]:
     gyro = _gyro(part)
     accel, quaternion = part.accel_mps2, part.orientation
     return {
@@ -128,26 +130,26 @@ def _gyro(part: ImuPart) -> list[float] | None:
     return [round(sign * degrees(one), 3) + 0.0 for sign, one in zip(GYRO_SIGNS, part.gyro_rps, strict=True)]
 
 
-def _amperages(part: AmperagesPart, at: float) -> dict[str, Any] | None:
+def _amperages(part: AmperagesPart, at: float) -> dict[str, object] | None:
     if part.left_a is None or part.right_a is None:
         return None  # an unmeasured current is not sent as 0: state machines wait for that
     return {"leftMotor": round(part.left_a, 1) + 0.0, "rightMotor": round(part.right_a, 1) + 0.0, "time": _text(at)}
 
 
-def _battery(part: BatteryPart, _at: float) -> dict[str, Any] | None:
+def _battery(part: BatteryPart, _at: float) -> dict[str, object] | None:
     if part.voltage_v is None:
         return None
     level = None if part.charge is None else round(part.charge, 2)
     return {"voltage": round(part.voltage_v, 2), "level": level, "source": "AC" if part.source == "mains" else "BAT"}
 
 
-def _count(part: CountsPart, at: float) -> dict[str, Any] | None:
+def _count(part: CountsPart, at: float) -> dict[str, object] | None:
     if part.left is None or part.right is None:
         return None
     return {"left": part.left, "right": part.right, "time": at}
 
 
-def _voltages(part: VoltagesPart, at: float) -> dict[str, Any] | None:
+def _voltages(part: VoltagesPart, at: float) -> dict[str, object] | None:
     if part.battery_v is None or not part.battery_v < LOW_V:
         return None
     return {

@@ -1,7 +1,7 @@
 """The old API as a face: its paths, with the original's replies."""
 
 import time
-from typing import Annotated, Any
+from typing import Annotated
 
 import msgspec
 from starlette.responses import Response
@@ -18,6 +18,7 @@ from lbr.capability.context import Received
 from lbr.errors import InputError
 from lbr.messages.camera import SelectCommand
 from lbr.messages.dock import DockHeard
+from lbr.messages.schema import JsonObject
 from lbr.messages.speech import SayCommand
 from lbr.messages.system import Role
 from lbr.robots.lbr.original import wishes
@@ -65,7 +66,7 @@ class LbrOriginalFace(web.Face):
         self._driver = Driver(robot, settings.heartbeat_s, settings.unattended_s)
         self._cameras = CamerasFace(Ports(robot))
         self._seen: dict[str, float] = {}
-        self._telemetry_parts: dict[str, Any] = {}
+        self._telemetry_parts: JsonObject = {}
         self._telemetry_at: float | None = None
 
     def routes(self) -> list[Route]:
@@ -91,12 +92,12 @@ class LbrOriginalFace(web.Face):
         """End the streams."""
         self._cameras.close()
 
-    def state(self) -> dict[str, Any]:
+    def state(self) -> JsonObject:
         """Return the client for which the base moves."""
         return {"holder": self._driver.holder}
 
     @post("/", Acting, role=None, within_s=ACT_S)
-    async def _act(self, request: Request, body: bytes) -> Annotated[Response, {200: dict[str, Any]}, REFUSED]:
+    async def _act(self, request: Request, body: bytes) -> Annotated[Response, {200: JsonObject}, REFUSED]:
         """Move, turn, stop, speak; the answer is the telemetry.
 
         One of heading, turn, or level with angle, and range, sensor, duration; speech besides. Where something is
@@ -204,7 +205,7 @@ class LbrOriginalFace(web.Face):
 
     @get("/cameras")
     @get("/cameras{more:path}")
-    async def _states(self) -> Annotated[dict[str, Any], NOT_VALID]:
+    async def _states(self) -> Annotated[JsonObject, NOT_VALID]:
         """The cameras, and their switches."""
         return cameras(self._robot.ctx.latest("telemetry"))
 
@@ -224,7 +225,7 @@ class LbrOriginalFace(web.Face):
     def _options(self) -> Response:
         return Response(status_code=200, headers=ALLOWED)
 
-    def _package(self) -> dict[str, Any]:
+    def _package(self) -> JsonObject:
         now, latest = self._robot.now(), self._robot.ctx.latest
         wall, telemetry = time.time(), latest("telemetry")
         self._remember(telemetry, now)

@@ -112,7 +112,7 @@ def _turn(fields: Mapping[str, object]) -> TurnCommand:
     return TurnCommand(angle_deg=angle_deg)
 
 
-def _drive(fields: Mapping[str, Any]) -> DriveCommand | None:
+def _drive(fields: Mapping[str, object]) -> DriveCommand | None:
     """Return the motion to drive; None for a stop, such as a level below 0."""
     if isinstance(fields["level"], str):
         raise InputError("level must be a number, not a text")

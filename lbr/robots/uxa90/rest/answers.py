@@ -2,9 +2,11 @@
 
 # ruff: noqa: N815 - the API's own names
 
-from typing import Any, Literal
+from typing import Literal
 
 from msgspec import UNSET, Struct, UnsetType
+
+from lbr.messages.schema import JsonObject
 
 Number = int | float
 
@@ -50,7 +52,7 @@ class MotorAnswer(Struct, frozen=True):
 class MultiPositions(Struct, frozen=True):
     """The motors of the request, with the clamped positions."""
 
-    positions: list[dict[str, Any]]
+    positions: list[JsonObject]
 
 
 class MultiAnswer(Struct, frozen=True):

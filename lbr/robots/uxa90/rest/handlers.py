@@ -1,6 +1,6 @@
 """The routes of the UXA-90's API, in the capability's loop: they pass requests on to `Service`."""
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import msgspec
 from starlette.responses import Response
@@ -112,7 +112,7 @@ def _by_name(query: Query) -> parsing.Query:
     return values
 
 
-def _json(request: Request, body: bytes) -> Any:
+def _json(request: Request, body: bytes) -> object:
     """Return the content of a JSON body; refuse a missing one, another media type, and invalid JSON."""
     media = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if not body:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isnan
-from typing import Any, TypeGuard
+from typing import TypeGuard
 
 from lbr.apps.web.face import Refused
 from lbr.messages.faces import Motor
@@ -82,7 +82,7 @@ def of_motor(table: MotorTable, query: Query) -> Move | Motor | None:
     return Move(Turn(motor, at, table.target(motor, at), nearest(torq), delay_s), torq)
 
 
-def of_motors(table: MotorTable, body: Any, query: Query) -> list[tuple[Turn, dict[str, Any]]]:
+def of_motors(table: MotorTable, body: object, query: Query) -> list[tuple[Turn, dict[str, object]]]:
     """Return each motor's move for /multimotor, with its echo; all of them before anything moves."""
     unit = unit_of(query)
     items = body.get("motors") if isinstance(body, dict) else None
@@ -93,7 +93,7 @@ def of_motors(table: MotorTable, body: Any, query: Query) -> list[tuple[Turn, di
     return [_item(table, item, at, unit) for at, item in enumerate(items)]
 
 
-def _item(table: MotorTable, item: Any, at: int, unit: str) -> tuple[Turn, dict[str, Any]]:
+def _item(table: MotorTable, item: object, at: int, unit: str) -> tuple[Turn, dict[str, object]]:
     if not isinstance(item, dict):
         raise Refused(400, f'motors[{at}] must be an object such as {{"id": 23, "pos": 100, "torq": 0}}')
     wanted = item.get("id")
@@ -118,11 +118,11 @@ def _item(table: MotorTable, item: Any, at: int, unit: str) -> tuple[Turn, dict[
     return turn, item | {key: shown, torque_key: torq}
 
 
-def _is_number(value: Any) -> TypeGuard[int | float]:
+def _is_number(value: object) -> TypeGuard[int | float]:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _named(value: Any) -> str:
+def _named(value: object) -> str:
     """Return JavaScript's text for a value that should have been a number."""
     if isinstance(value, bool):
         return "true" if value else "false"

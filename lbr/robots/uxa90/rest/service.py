@@ -91,7 +91,7 @@ class Service:
             return MotorAnswer(data(wanted), "getMotorInfo")
         return MotorAnswer([data(motor) for motor in self.motors.motors.values()], "getAllMotors")
 
-    async def several(self, body: Any, query: parsing.Query, came_s: float = inf) -> MultiAnswer:
+    async def several(self, body: object, query: parsing.Query, came_s: float = inf) -> MultiAnswer:
         """Handle /multimotor."""
         self._refuse_stopped_since(came_s)
         decided = parsing.of_motors(self.motors, body, query)
