@@ -151,7 +151,7 @@ def test_what_is_not_saved_yet_outlives_another_tab_until_it_is_thrown_away(page
     page.get_by_role("radio", name="Events").click()
     expect(kept).to_have_count(0)
     page.get_by_role("radio", name="Settings").click()
-    expect(kept).to_have_value("0.44")
+    expect(kept).to_have_value("0.44", timeout=SLOWLY_MS)
     page.get_by_role("button", name="Cancel").click()
     expect(kept).to_have_value(before)
 

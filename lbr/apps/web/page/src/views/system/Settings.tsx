@@ -75,7 +75,8 @@ function Basics() {
   const groups = [...groupsOf([...parts].flatMap(([name, { row, fields }]) => basicsOf(name, fields, row["settings"] as Values))), ...(names.length > 0 ? [{ group: "name", basics: names }] : [])];
   const editable = may("admin");
   const written = ({ part, path }: Basic): unknown => (part === "" ? own?.[String(path[0])] : valueAt(parts.get(part)?.fields ?? [], parts.get(part)?.row["settings"], path));
-  const all = Object.values(typed.value).filter(({ basic, value }) => !same(value, written(basic)));
+  const there = ({ part }: Basic): boolean => (part === "" ? own !== undefined : parts.has(part)); // what is kept may be older than what is read
+  const all = Object.values(typed.value).filter(({ basic, value }) => there(basic) && !same(value, written(basic)));
   const local = all.filter(({ basic, value }) => wrongOf(basic.field, value) !== null);
   const changes = changesOf(all, parts, own);
   const dirty = all.length > 0;
