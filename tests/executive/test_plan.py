@@ -228,9 +228,7 @@ def test_a_profile_of_a_wrong_type_names_the_key(tmp_path, line, said):
 
 
 def test_a_profile_that_is_not_there_is_told_with_what_may_be_meant():
-    with pytest.raises(
-        InputError, match=r"did you mean .*lbr-sim.* robot that only your rows have wants a \.toml file"
-    ):
+    with pytest.raises(InputError, match=r"did you mean .*lbr-sim.* robot of your own rows write a \.toml file"):
         load("lbrsim")
 
 

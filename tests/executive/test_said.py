@@ -29,7 +29,7 @@ def test_lines_that_the_robot_understands_are_said_on_the_console_s_key():
     [
         ('{"y": "/sya/hello"}', "lines.y: '/sya' is not a word of this robot"),
         ('{"y": "/r/7/0"}', "lines.y: power"),
-        ('{"y": "!print(1)"}', "lines.y: nothing is said by it, or Python"),
+        ('{"y": "!print(1)"}', "lines.y: it has no line, or it has Python"),
         ('{"y": "Shutdown"}', "lines.y: 'Shutdown' needs the role admin"),
     ],
 )

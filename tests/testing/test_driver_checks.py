@@ -115,7 +115,7 @@ class Once(Blind):
     [
         (Mute, says_what_it_reads, "something is published"),
         (Blind, names_a_device_that_is_not_there, "not missed"),
-        (Blind, misses_its_device_and_comes_back, "the loss by 'unplug' is told"),
+        (Blind, misses_its_device_and_comes_back, "the loss by 'unplug' is reported"),
         (Blind, acknowledges_the_emergency_stop, "acknowledged"),
         (Blind, says_that_its_device_is_silent, "the silence of the device is reported"),
         (Wild, publishes_no_rubbish, "Expected `float`"),
