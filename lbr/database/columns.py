@@ -74,7 +74,7 @@ class Column:
             raise WrongError(f"'{short(value)}' is neither 0 nor 1")
         plain = bool(value) if self.is_flag else self._json(value) if self.is_json else value
         try:
-            converted = msgspec.convert({"value": plain}, self._alone).value
+            (converted,) = msgspec.structs.astuple(msgspec.convert({"value": plain}, self._alone))
         except (msgspec.ValidationError, UnicodeError) as err:  # SQLite holds invalid text, too
             complaint = str(err).replace("$.value", "$").removesuffix(" - at `$`")
             raise WrongError(self._sentence(plain, complaint)) from None

@@ -67,8 +67,8 @@ class Front:
         try:
             sockets = listening.listen(settings.host, settings.port)
         except InputError as err:
-            row = f"capability '{self._ctx.robot}/{self._ctx.name}'"
-            raise DeviceError(f"{err}: see the settings 'host' and 'port' of {row}") from err
+            name = self._ctx.name
+            raise DeviceError(f"{err}: try 'lbr set {name}.port NUMBER', or {name}.host") from err
         self.place = AdvertisedAddress(settings, sockets[0].getsockname()[1])
         self.is_loopback = listening.is_loopback(sockets[0])
         self.bridge.open()
