@@ -117,6 +117,11 @@ def test_nothing_is_made_up():
     assert set(found["MPU"].values()) == {None, WALL}
 
 
+def test_a_heading_that_is_north_when_rounded_is_zero_degrees():
+    north = structs.replace(WHOLE, imu=structs.replace(WHOLE.imu, heading_deg=359.97))
+    assert told(north)["MPU"]["heading"] == 0.0
+
+
 def test_a_part_that_is_not_told_any_more_stays_as_it_was_with_its_own_old_time():
     before = told(age_s=4.0)
     silent = structs.replace(

@@ -9,7 +9,7 @@ from lbr.operations.drive.capability import Drive
 
 class ForgetfulDrive(Drive):
     def open(self) -> None:
-        rules.persists = lambda _leases, _source, _now: ""
+        rules.persists = lambda _ask: ""
         super().open()
 
 

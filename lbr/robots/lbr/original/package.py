@@ -116,7 +116,7 @@ def _mpu(part: ImuPart, at: float) -> dict[str, object]:
         "gyro": None if gyro is None else [*gyro, at],
         "accel": None if accel is None else [round(one / GRAVITY_MPS2, 4) for one in accel],
         "mag": None if part.mag_ut is None else [round(one, 4) for one in part.mag_ut],
-        "heading": None if part.heading_deg is None else round(part.heading_deg, 1),
+        "heading": None if part.heading_deg is None else round(part.heading_deg, 1) % 360,
         "temp": None if part.temperature_c is None else round(part.temperature_c, 1),
         "time": at,
         "quat": None if quaternion is None else "{:.3f} {:+.3f}i {:+.3f}j {:+.3f}k".format(*quaternion),
