@@ -424,7 +424,7 @@ def test_whoever_asks_too_often_waits_and_may_stop_all_the_same():
 def test_a_port_that_is_taken_is_told_with_the_row():
     with ExitStack() as stack:
         port = stack.enter_context(serving()).port
-        with pytest.raises(DeviceError, match="lbr set web.port"):
+        with pytest.raises(DeviceError, match=r"lbr set web\.port"):
             stack.enter_context(serving(port=port))
 
 
