@@ -124,6 +124,14 @@ def _names(test: str) -> Iterator[str]:
     yield from map(str, Path(path).parents)
 
 
+@pytest.fixture(autouse=True, scope="module")
+def _rank_of_its_own() -> Iterator[None]:
+    """Fail a module that leaves its process another rank: what runs beside it would wait for it from then on."""
+    before = os.getpriority(os.PRIO_PROCESS, 0)
+    yield
+    assert os.getpriority(os.PRIO_PROCESS, 0) == before, "its process has another niceness than before"
+
+
 def pytest_xdist_auto_num_workers() -> int:
     """Return how many processes `-n auto` begins: three for two cores, as a test that has a robot waits half of its time.
 

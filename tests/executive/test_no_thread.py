@@ -1,5 +1,6 @@
 """A machine that gives no more threads is told of in one sentence at the start, and does not end a robot that runs."""
 
+import os
 import threading
 from types import SimpleNamespace
 
@@ -50,6 +51,8 @@ def test_a_thread_that_cannot_be_started_is_one_sentence_with_its_cure(tmp_path,
     monkeypatch.setenv("LBR_HOME", str(tmp_path))
     tmp_path.chmod(0o700)
     monkeypatch.setattr(start.executive, "run", no_thread)
+    for module, name in ((start.scheduling, "rank"), (start.machine, "raise_limits"), (os, "umask")):
+        monkeypatch.setattr(module, name, lambda *_values: None)  # of the process of the tests
     with pytest.raises(LbrError, match="ulimit -u"):
         start.run("lbr-sim", console=False)
 
