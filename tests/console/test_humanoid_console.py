@@ -48,10 +48,9 @@ def test_torque_comes_first_and_goes_only_when_it_is_meant(bioloid):
 
 def test_a_console_that_is_killed_moves_the_joint_no_further(bioloid):
     torque_on(bioloid)
-    console = send(bioloid, "/j/left_shoulder_pitch/140/20")
-    until(lambda: joints(bioloid)["moving"])
-    console.kill()
-    console.communicate()
+    with send(bioloid, "/j/left_shoulder_pitch/140/20") as console:
+        until(lambda: joints(bioloid)["moving"] or console.poll() is not None)  # one that comes too late lapses
+        console.kill()
     state = until(lambda: None if (seen := joints(bioloid))["moving"] else seen)
     assert (state["holder"], state["goal"]) == (None, None)
     assert state["reason"]

@@ -15,7 +15,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import zenoh
 from msgspec import Struct
@@ -24,10 +24,9 @@ from lbr.apps.retry import wait_s
 from lbr.apps.ros2.kind import address
 from lbr.apps.ros2.wire import ADMIN, CDR, Attachment, Endpoint, Node, Port
 from lbr.bus.session import LINK_LEASE_MS
-from lbr.bus.wire import direct, plain
+from lbr.bus.wire import direct, drained, plain
 from lbr.errors import BusError
 
-T = TypeVar("T")
 STEADY_S, LONGEST_WAIT_S = 20.0, 5.0
 CONNECT_S = 1.0
 MOST_TOKENS, MOST_SAMPLES, MOST_REQUESTS = 4096, 64, 16
@@ -119,15 +118,15 @@ class Link:
 
     def tokens(self) -> list[Token]:
         """Return the tokens since the last call."""
-        return _drained(self._tokens)
+        return drained(self._tokens)
 
     def samples(self) -> list[Sample]:
         """Return the messages since the last call; of too many the newest."""
-        return _drained(self._samples)
+        return drained(self._samples)
 
     def requests(self) -> list[Request]:
         """Return the calls of services since the last call."""
-        return _drained(self._requests)
+        return drained(self._requests)
 
     def publish(self, port: str, payload: bytes) -> None:
         """Send a message, if there is a connection."""
@@ -260,14 +259,6 @@ class Link:
             self.connected = False
             self._lost.set()
             self._wake()
-
-
-def _drained(inbox: deque[T]) -> list[T]:
-    drained = []
-    with suppress(IndexError):
-        while True:
-            drained.append(inbox.popleft())
-    return drained
 
 
 def _knock(endpoint: str) -> None:

@@ -6,7 +6,7 @@ from typing import Literal
 
 import msgspec
 from msgspec import Struct
-from msgspec.structs import replace
+from msgspec.structs import asdict, replace
 
 from lbr.bus import keys
 from lbr.bus.access import Credentials, Rights
@@ -150,7 +150,7 @@ def with_lan(
     )
     folder = Path(site.home) / "credentials"
     config = LanConfig(
-        listen=tuple(getattr(kinds[unit.name].parse(bytes(unit.config.settings)), "listen", ())),
+        listen=tuple(asdict(kinds[unit.name].parse(bytes(unit.config.settings)))["listen"]),
         link=site.credentials(f"@{unit.name}"),
         users=_users(rows, site, "bus"),
         streams=streams_of(robot, peers),

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from typing import get_args
 
-from msgspec.structs import replace
+from msgspec.structs import asdict, replace
 
 from lbr import qr
 from lbr.database.rows import CapabilityRow
@@ -148,7 +148,7 @@ class LettingIn:
     def _host(self, name: str) -> str:
         """Return the address at which a server's row makes it listen."""
         plan = self._robot.plan
-        return str(getattr(plan.kinds[name].parse(bytes(plan.units[name].config.settings)), "host", ""))
+        return str(asdict(plan.kinds[name].parse(bytes(plan.units[name].config.settings)))["host"])
 
     def _serving(self, name: str) -> dict[str, object] | None:
         """Return where a server listens; None if it does not serve."""
