@@ -136,8 +136,8 @@ def _motors(state: State, event: MotorsSeen, now: float) -> Decision:
 
 def _ranges(state: State, event: RangesSeen, now: float) -> Decision:
     arrived = _no_later(event.arrived, now)
-    told = replace(event.ranges, rests=event.ranges.rests and state.lease is None)
-    views = rules.see(state.views, told, arrived, state.odometer, state.sensors)
+    readings = replace(event.ranges, rests=event.ranges.rests and state.lease is None)
+    views = rules.see(state.views, readings, arrived, state.odometer, state.sensors)
     state = replace(
         state, views=views, memory=obstacle_memory.see(state.memory, views, arrived, state.settings, state.sensors)
     )

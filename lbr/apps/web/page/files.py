@@ -161,9 +161,9 @@ def pack(answer: Response) -> None:
         answer.headers.update({"Content-Encoding": "gzip", "Content-Length": str(len(answer.body))})
 
 
-def takes_gzip(said: str) -> bool:
+def takes_gzip(encodings: str) -> bool:
     """Return whether an `Accept-Encoding` allows gzip."""
-    for part in said.lower().split(","):
+    for part in encodings.lower().split(","):
         name, _, weight = part.partition(";")
         if name.strip() in {"gzip", "*"}:
             return weight.replace(" ", "") not in {"q=0", "q=0.0", "q=0.00", "q=0.000"}

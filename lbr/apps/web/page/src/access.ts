@@ -25,7 +25,7 @@ export async function ask<T>(path: string, { method = "GET", body, quiet = false
 /** Codes too general for a person: the robot's sentence names the fault. */
 const VAGUE = new Set(["failed", "bad_value", "malformed", "unknown_name", "unknown_command", "not_possible", "busy", "check", "wiring", "exists", "changed", "limit"]);
 
-/** A state's sentence, which is English; in another language what its code means, and the sentence where that says too little. */
+/** A state's English sentence. In another language: the meaning of its code, with the sentence if the code is vague. */
 export function inWords({ code = "", reason = "" }: { code?: string; reason?: string }): string {
   const meant = language.value === "en" ? "" : maybe(`code.${code}`);
   return meant && reason && !VAGUE.has(code) ? meant : [meant, reason].filter(Boolean).join(": ");

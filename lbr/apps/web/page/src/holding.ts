@@ -158,7 +158,7 @@ function end(news: HoldNews): void {
   takesOver.value = false;
   if (!once) return;
   const motion = (played?.message as { motion?: string } | undefined)?.motion;
-  if (EXPECTED.has(news.code) && motion?.startsWith("get_up_")) return; // whether it is up, its attitude tells
+  if (EXPECTED.has(news.code) && motion?.startsWith("get_up_")) return; // its attitude shows whether it is up
   if (EXPECTED.has(news.code)) notice(t("drive.reached", { reason: motion ? deedName(motion) : news.reason }), "good");
   else if (news.code === "stopped") notice(t("stop.stopped"));
   else if (!SHOWN_ELSEWHERE.has(news.code)) notice(told(news), "warn", { code: news.code, about: state.value.to.split("/")[0] });

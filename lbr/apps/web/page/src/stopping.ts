@@ -29,7 +29,7 @@ export async function stop(): Promise<void> {
   if (!answer.ok) notice(t("stop.failed", { reason: answer.reason }), "bad");
 }
 
-/** Whether the end of a motion is that of a stop which a notice has just told. */
+/** Whether a stop ended the motion, and a notice has just reported that stop. */
 export const toldStop = (code = ""): boolean => code === "stopped" && toldLately(t("stop.stopped"));
 
 /** Latches the emergency stop. */

@@ -70,14 +70,14 @@ export function Why({ from }: { from: string }) {
 
 /** What holds a part, as the robot answers it; asked again whenever `now` is another; the last answer stays until then. Null until it has answered, and of no part. */
 function useChain(part: string, now: string): Chain | null {
-  const [heard, tell] = useState<{ part: string; chain: Chain } | null>(null);
+  const [answer, setAnswer] = useState<{ part: string; chain: Chain } | null>(null);
   useEffect(() => {
-    if (!part) { tell(null); return undefined; }
+    if (!part) { setAnswer(null); return undefined; }
     let over = false;
-    void fetchJson<Chain>(`/api/why/${part}`).then((answer) => { if (!over && answer.ok && answer.data) tell({ part, chain: answer.data }); });
+    void fetchJson<Chain>(`/api/why/${part}`).then(({ ok, data }) => { if (!over && ok && data) setAnswer({ part, chain: data }); });
     return () => { over = true; };
   }, [part, now]);
-  return part && heard?.part === part ? heard.chain : null;
+  return part && answer?.part === part ? answer.chain : null;
 }
 
 /** Whether the element is scrolled away. */

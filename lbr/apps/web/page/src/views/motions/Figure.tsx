@@ -7,7 +7,7 @@ import { sketch, THREE_QUARTERS } from "../joints/sketch";
 
 interface Props { model: BodyModel; pose: Record<string, number>; moved?: Record<string, number>; selected?: string; onPick?: (joint: string) => void; onDrag?: (joint: string, rad: number) => void }
 
-/** `onPick` hears of the joint whose limb is pressed, `onDrag` of the angle to which one is dragged. */
+/** `onPick` receives the joint whose limb is pressed, `onDrag` the angle to which a limb is dragged. */
 export function Figure({ model, pose, moved, selected = "", onPick, onDrag }: Props) {
   const places = useMemo(() => placed(model, pose), [model, pose]);
   const { patches, box } = useMemo(() => sketch(model, pose, THREE_QUARTERS, places), [places]);

@@ -58,15 +58,15 @@ export default function Motions() {
       options={[{ value: "play", text: t("motions.play"), icon: "play" }, { value: "build", text: t("motions.build"), icon: "joints" }]}
     />
   );
-  const told = <><Held capability={owner} /><Playing state={state} part={part} model={model} onStop={end} /></>;
+  const holder = <><Held capability={owner} /><Playing state={state} part={part} model={model} onStop={end} /></>;
   if (what === "build" && model) {
-    return <div class="motions-both"><h2 class="sr">{t("view.motions")}</h2>{tabs}{told}<Builder model={model} motions={all} player={owner} /></div>;
+    return <div class="motions-both"><h2 class="sr">{t("view.motions")}</h2>{tabs}{holder}<Builder model={model} motions={all} player={owner} /></div>;
   }
   return (
     <div class="motions-both">
     <h2 class="sr">{t("view.motions")}</h2>
     {tabs}
-    {told}
+    {holder}
     <div class="motions" data-remote={keys.length > 0 || undefined}>
       <div class="motions-main">
         <Card class="motions-options">
