@@ -96,8 +96,8 @@ def _tell(under_test: Bench, name: str, how: str) -> None:
         wire.put(robot.bus, f"{robot.name}/{name}/fail", {"how": how}, source="bench")
 
 
-def _until_gone(under_test: Bench, pid: int, fault_ns: int, figure: str, limit_s: float = 4.0) -> None:
-    under_test.until(lambda: not _runs(pid), limit_s, f"process {pid} gone", every_s=0.005)
+def _until_gone(under_test: Bench, pid: int, fault_ns: int, figure: str) -> None:
+    under_test.until(lambda: not _runs(pid), HANG_S, f"process {pid} gone", every_s=0.005)
     under_test.results.sample(figure, (time.monotonic_ns() - fault_ns) * 1e-6)
 
 
