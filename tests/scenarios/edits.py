@@ -77,7 +77,10 @@ def _edit(under_test: Bench, database: sqlite3.Connection, statement: str) -> No
 def _locked(under_test: Bench) -> list[str]:
     logs = [under_test.robot.home / "stderr.txt", *(under_test.robot.home / "logs").glob("*.log")]
     return [
-        f"{path.name} says 'database is locked'" for path in logs if "is locked" in path.read_text(errors="replace")
+        f"{path.name}: {line}"
+        for path in logs
+        for line in path.read_text(errors="replace").splitlines()
+        if "is locked" in line
     ]
 
 

@@ -24,6 +24,8 @@ from lbr.messages.system import Event, Stamp
 
 WRITE_EVERY_S = 0.25
 AGAIN_AFTER_S = 1.0
+TOLD_AFTER_S = 0.5
+"""Another writer that has the database for less is no trouble: what waits is written at the next step."""
 MOST_WAITING = 2000
 LARGEST_EVENT_BYTES = 16 * 1024
 OTHERS_PER_S = 20.0
@@ -99,7 +101,7 @@ class Journal(Service):
         self._waiting: deque[Event] = deque(maxlen=MOST_WAITING)
         self._trail: deque[AuditRow] = deque()
         self._lost = 0
-        self._failing = False
+        self._failing_since = inf
         self._budget = OTHERS_AT_ONCE
         self._budget_at = 0.0
         self._write_at = 0.0
@@ -120,24 +122,20 @@ class Journal(Service):
         about: str = "",
     ) -> None:
         """Publish an event with its own code or that of its kind; from the executive's own thread."""
-        now = time.time_ns()
         event = Event(
             kind=kind,
             subject=subject,
             text=text,
             level=level,  # type: ignore[arg-type]
-            wall_ns=now,
+            wall_ns=time.time_ns(),
             data=data or {},
             code=CODES.get(kind, "") if code is None else code,
             about=about,
         )
+        self._keep(event, EXECUTIVE, allowed=True)
         if kind in WRITTEN_FIRST:
-            self._keep(event, EXECUTIVE, allowed=True)
             self.flush()
-            self._echoes.append(self._publisher.put(event))
-        else:
-            self._echoes.append(self._publisher.put(event))
-            self._keep(event, EXECUTIVE, allowed=True)
+        self._echoes.append(self._publisher.put(event))
         for listener in self.listeners:
             listener()
 
@@ -186,16 +184,18 @@ class Journal(Service):
         events, trail = list(self._waiting), list(self._trail)
         if self._lost:
             trail.append(self._entry("lost", "audit", EXECUTIVE, f"{self._lost} entries, of too many at once"))
+        began = time.monotonic()
         try:
             self._database.append_events(events, trail)
         except LbrError as err:
-            self._failing = True
-            self.trouble(NOT_WRITTEN, str(err))
+            self._failing_since = min(self._failing_since, began)
+            if began - self._failing_since >= TOLD_AFTER_S:
+                self.trouble(NOT_WRITTEN, str(err))
             return False
         self._waiting.clear()
         self._trail.clear()
         self._written(events)
-        self._lost, self._failing = 0, False
+        self._lost, self._failing_since = 0, inf
         self.trouble(NOT_WRITTEN, "")
         return True
 
@@ -218,7 +218,7 @@ class Journal(Service):
             return
         figures = f" {msgspec.json.encode(event.data).decode()}" if event.data else ""
         self._trail.append(self._entry(event.kind, event.subject, source, event.text + figures))
-        if not self._failing:
+        if self._failing_since == inf:
             self._write_at = 0.0
 
     def _entry(self, kind: str, subject: str, source: str, text: str) -> AuditRow:
