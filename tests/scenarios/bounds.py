@@ -13,7 +13,8 @@ from tests.support.figures import Results
 from tests.support.mover import POWER, accepted
 
 INTERVAL_EARLY_MS, INTERVAL_LATE_MS = -20.0, 40.0
-RENEW_S = 0.1
+RENEW_S, LEASE_S = 0.1, 1.0
+"""These moves end by their bounds: the lease is long enough for a sender that a busy machine holds up."""
 WALL_NEAR_CM, WALL_FAR_CM, WALL_OFF_CM = 380.0, 415.0, 3.0
 FAR_M, NEAR_M, TARGET_CM = 1.5, 0.6, 90.0
 
@@ -91,7 +92,7 @@ def _until_range(under_test: Bench, angle_deg: float, range_cm: float) -> None:
 def held(under_test: Bench, limits: dict[str, Any]) -> Iterator[int]:
     """Start a bounded move, give the moment of its acceptance, and renew its lease until a little after the block."""
     robot = under_test.robot
-    command = {"power": POWER, "angle_deg": under_test.dice.choice(ANGLES)} | limits
+    command = {"power": POWER, "angle_deg": under_test.dice.choice(ANGLES), "ttl_s": LEASE_S} | limits
     lease = accepted(robot, command)
     accepted_ns = time.monotonic_ns()
     over = threading.Event()

@@ -21,7 +21,7 @@ TELL_S = 0.5
 STILL_S = 0.07
 """The period of reports of a body that does not turn: every second tick at the default rate."""
 RESTS_AFTER_S, RESTING_S = 1.0, 0.5
-"""After a second without a turn, with a standing base, the body is reported at long periods."""
+"""After a second without a turn, or since its zero was learnt, the body of a standing base is reported at long periods."""
 
 
 class Attitude(Capability[AttitudeSettings]):
@@ -93,7 +93,7 @@ class Attitude(Capability[AttitudeSettings]):
 
     def _resting(self, state: AttitudeState, now: float) -> AttitudeState:
         """Return the state, with its flag if body and base are at rest; without a drive it is never set."""
-        if not (state.valid and state.still):
+        if not (state.valid and state.still) and isfinite(self._known_s):
             self._turned_s = now
         drive = self.ctx.latest("drive")
         stands = drive is not None and not drive.message.moving and drive.age_s(now) <= RESTS_S

@@ -94,6 +94,12 @@ def test_a_body_at_rest_is_reported_twice_a_second(bench):
     assert all(state.rests and state.valid for state in states)
 
 
+def test_a_body_that_stood_while_its_zero_was_learnt_rests_from_the_first_word_of_its_base(bench):
+    drives(bench, moving=False)
+    bench.run(0.1)
+    assert bench.state().rests
+
+
 @pytest.mark.parametrize("rate_dps", [0.0, 60.0], ids=["the base is to move", "the body is pushed"])
 def test_a_motion_is_reported_at_once_and_as_often_as_ever(bench, rate_dps):
     stands(bench, 3.0)
