@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from lbr.drivers.ld06.protocol import HEAD, PACKET_BYTES, Packet, PacketParser, Point, Turn, check, decode
 from lbr.messages.sensing import RangeSensor
 from lbr.simulation.devices.ld06 import Ld06Faults
-from lbr.simulation.devices.ld06.device import Ld06
+from lbr.simulation.devices.ld06.twin import Ld06
 
 ROUND = RangeSensor(name="lidar", kind="lidar", fov_rad=6.2832, min_m=0.02, max_m=12.0, rays=360)
 

@@ -7,7 +7,7 @@ import pytest
 
 from lbr.drivers.mpu9150 import KIND
 from lbr.errors import DeviceError
-from lbr.simulation.devices.mpu9150.device import Mpu9150
+from lbr.simulation.devices.mpu9150.twin import Mpu9150
 from lbr.simulation.i2c import Message, transfer
 from lbr.simulation.measured import ImuReading
 from tests.drivers.i2c_peer import MPU, Server

@@ -19,8 +19,7 @@ from lbr.drivers.phidget_spatial.library import Spatial, find
 from lbr.drivers.phidget_spatial.readings import DeviceClock, Reading, sample, scaled
 from lbr.errors import DeviceError
 from lbr.messages.imu import ZeroCommand
-from lbr.simulation.devices.phidget_spatial.device import RECORD, PhidgetSpatial
-from lbr.simulation.devices.phidget_spatial.twin import PhidgetSpatialTwin
+from lbr.simulation.devices.phidget_spatial.twin import RECORD, PhidgetSpatial, PhidgetSpatialTwin
 from lbr.simulation.measured import ImuReading
 from lbr.simulation.twins.base import Surroundings
 from lbr.testing import FakeCall

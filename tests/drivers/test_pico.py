@@ -12,7 +12,7 @@ from lbr.drivers.i2c_socket import SocketBus
 from lbr.drivers.pico import KIND, registers, relay
 from lbr.errors import DeviceError, MalformedError
 from lbr.messages.power import RelayCommand
-from lbr.simulation.devices.pico.device import Pico as Chip
+from lbr.simulation.devices.pico.twin import Pico as Chip
 from lbr.simulation.i2c import Message, refusal, transfer
 from lbr.testing import FakeCall
 from tests.drivers.i2c_peer import Server

@@ -11,7 +11,7 @@ from lbr.drivers.riox.capability import MOST_ALIKE
 from lbr.drivers.riox.controller import AhrsUnit
 from lbr.errors import DeviceError
 from lbr.simulation.devices.riox import RioxFaults, RioxRow
-from lbr.simulation.devices.riox.device import RioxDevice
+from lbr.simulation.devices.riox.twin import RioxDevice
 from lbr.simulation.measured import ImuReading
 
 FELT = ImuReading(

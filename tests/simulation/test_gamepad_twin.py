@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 
 from lbr.capability.context import Device
 from lbr.simulation.devices.gamepad import GamepadFaults
-from lbr.simulation.devices.gamepad.device import EmulatedGamepad
-from lbr.simulation.devices.gamepad.twin import GamepadTwin
+from lbr.simulation.devices.gamepad.twin import EmulatedGamepad, GamepadTwin
 from tests.simulation.world_bench import AROUND
 
 SIZE = struct.calcsize("@llHHi")

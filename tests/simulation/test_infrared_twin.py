@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.simulation.devices.infrared import BeamCodes, InfraredFaults
-from lbr.simulation.devices.infrared.device import InfraredReceiver
+from lbr.simulation.devices.infrared.twin import InfraredReceiver
 
 CODES = {"left": 1, "right": 2, "power": 3}
 

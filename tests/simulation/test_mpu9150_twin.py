@@ -11,8 +11,7 @@ import pytest
 from lbr.capability.context import Device
 from lbr.errors import DeviceError
 from lbr.simulation.devices.mpu9150 import Mpu9150Faults
-from lbr.simulation.devices.mpu9150.device import Mpu9150
-from lbr.simulation.devices.mpu9150.twin import Mpu9150Twin
+from lbr.simulation.devices.mpu9150.twin import Mpu9150, Mpu9150Twin
 from lbr.simulation.i2c import Message, transfer
 from lbr.simulation.measured import ImuReading
 from tests.simulation.world_bench import AROUND

@@ -11,8 +11,7 @@ from lbr.errors import InputError
 from lbr.simulation.devices.dynamixel.bus import DynamixelBus
 from lbr.simulation.devices.dynamixel.servo import AxServo
 from lbr.simulation.devices.pico import PicoFaults
-from lbr.simulation.devices.pico.device import ADDRESS, Pico
-from lbr.simulation.devices.pico.twin import PicoTwin
+from lbr.simulation.devices.pico.twin import ADDRESS, Pico, PicoTwin
 from lbr.simulation.faults import changed
 from lbr.simulation.i2c import Message, transfer
 from lbr.simulation.measured import Sensed

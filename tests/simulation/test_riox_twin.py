@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from lbr.simulation.ahrs import angles_deg, facing, from_angles
 from lbr.simulation.devices.riox import RioxFaults, RioxRow
-from lbr.simulation.devices.riox.device import RioxDevice
+from lbr.simulation.devices.riox.twin import RioxDevice
 from lbr.simulation.measured import ImuReading
 
 FELT = ImuReading(
