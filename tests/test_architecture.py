@@ -489,7 +489,7 @@ def test_no_general_floor_knows_a_particular_robot(paths):
         ("lbr.simulation.bioloid.body", ""),
         ("lbr.apps.web.states", "HEARD = 'what the UXA-90 says'"),
         ("lbr.drivers.wheels.arming", "if kind == 'roboteq': ..."),
-        ("lbr.console.joint_status", '"""AX-12A servos."""'),
+        ("lbr.console.toolbar", '"""AX-12A servos."""'),
     ],
 )
 def test_the_check_sees_a_robot_on_a_general_floor(module, source):

@@ -12,7 +12,7 @@ from starlette.applications import Starlette
 
 from lbr import home
 from lbr.apps.http import listening, serving
-from lbr.apps.navcam import access
+from lbr.apps.navcam import server as navcam
 from lbr.bus import certificates
 from lbr.capability import lifeline
 from lbr.commands import checks
@@ -35,7 +35,7 @@ def place(tmp_path, monkeypatch):
     home.directory("run")
     credentials.token_key()
     credentials.bus_certificate()
-    access.token()
+    navcam.token()
     return home.home()
 
 
@@ -108,7 +108,7 @@ def test_a_certificate_that_is_damaged_is_told(place, content):
     [
         ("token.key", credentials.token_key),
         ("bus.key", credentials.bus_certificate),
-        ("navcam.token", access.token),
+        ("navcam.token", navcam.token),
     ],
 )
 @pytest.mark.parametrize("fault", ["read", "changed", "empty", "foreign"])

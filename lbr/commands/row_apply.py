@@ -8,11 +8,10 @@ import click
 from msgspec.structs import replace
 
 from lbr.commands.options import FileName, Number, complete_robot, database_option, json_option, print_json
-from lbr.commands.row_past import change_options, tell
+from lbr.commands.row_past import Changing, change_options, tell
 from lbr.commands.row_touched import Touching, change_rows
 from lbr.commands.rows import opened, running_here
 from lbr.database import row_files, sources, trials
-from lbr.database.proposals import Wanted
 from lbr.database.store import Database
 from lbr.database.trials import Trial
 from lbr.errors import InputError
@@ -34,10 +33,10 @@ def plan(source: Path, robot: str | None, database: Path | None, as_json: bool) 
     SOURCE is a file of SQL that edits rows, a copy of a database, or a folder of 'lbr db export'. Nothing is touched.
     Exit code 2 with problems.
     """
-
     with opened(database) as rows:
         touching = Touching(rows)
-        proposed = change_rows(rows, _wanted(source, rows, robot), f"applied {source.name}", touching, dry_run=True)
+        wanted = sources.wanted(source, rows.path, robot)
+        proposed = change_rows(rows, wanted, f"applied {source.name}", touching, dry_run=True)
         return tell(proposed, "", dry_run=True, as_json=as_json, touched=touching.effects(), place=_place(source, rows))
 
 
@@ -51,31 +50,21 @@ def plan(source: Path, robot: str | None, database: Path | None, as_json: bool) 
     help="Go back unless all that is touched is ready by then, also if lbr is killed meanwhile. Waits for it.",
 )
 @change_options
-def apply(
-    source: Path,
-    within_s: float | None,
-    robot: str | None,
-    expected: int | None,
-    dry_run: bool,
-    database: Path | None,
-    as_json: bool,
-) -> int:
+def apply(source: Path, within_s: float | None, how: Changing) -> int:
     """Change the rows as in SOURCE (see 'lbr db plan'), all of them or none. A running robot follows. Exit code 2 if
     the rows would be bad, and nothing is changed; 1 if --within went back."""
-    return _apply(source, robot, expected, database, within_s=within_s, dry_run=dry_run, as_json=as_json)
+    return _apply(source, how, within_s)
 
 
 @click.command("import")
 @click.argument("folder", type=FileName(exists=True, file_okay=False), metavar="DIR")
 @change_options
-def import_(
-    folder: Path, robot: str | None, expected: int | None, dry_run: bool, database: Path | None, as_json: bool
-) -> int:
+def import_(folder: Path, how: Changing) -> int:
     """Change the rows as in DIR, a folder of 'lbr db export', all of them or none. Exit code 2 with problems.
 
     Robots with a folder in DIR get exactly these rows; a table without a file stays, and so do other robots.
     """
-    return _apply(folder, robot, expected, database, dry_run=dry_run, as_json=as_json)
+    return _apply(folder, how)
 
 
 @click.command("export")
@@ -103,31 +92,21 @@ def export(folder: Path, robot: str | None, database: Path | None, as_json: bool
 COMMANDS = (plan, apply, export, import_)
 
 
-def _apply(
-    source: Path,
-    robot: str | None,
-    expected: int | None,
-    database: Path | None,
-    *,
-    dry_run: bool,
-    as_json: bool,
-    within_s: float | None = None,
-) -> int:
-
-    with opened(database) as rows:
+def _apply(source: Path, how: Changing, within_s: float | None = None) -> int:
+    with opened(how.database) as rows:
         if within_s is not None and not running_here(rows.path):
             raise InputError(
                 f"no robot runs from {rows.path} that could say whether it is ready: leave --within out", "not_possible"
             )
         touching = Touching(rows)
-        wanted = _wanted(source, rows, robot)
-        proposed = change_rows(rows, wanted, f"applied {source.name}", touching, expected, within_s, dry_run=dry_run)
+        wanted, text = sources.wanted(source, rows.path, how.robot), f"applied {source.name}"
+        proposed = change_rows(rows, wanted, text, touching, how.expected, within_s, dry_run=how.dry_run)
         trial = None if within_s is None or proposed.revision == proposed.before else _awaited(rows, proposed.revision)
         code = tell(
             proposed,
             f"the rows are those of {source}",
-            dry_run=dry_run,
-            as_json=as_json,
+            dry_run=how.dry_run,
+            as_json=how.as_json,
             touched=touching.effects(),
             place=_place(source, rows),
             trial=trial,
@@ -149,10 +128,6 @@ def _awaited(rows: Database, revision: int) -> Trial | None:
             time.sleep(LOOK_S)
             trial = trials.newest(rows)
     return trial
-
-
-def _wanted(source: Path, rows: Database, robot: str | None) -> Wanted:
-    return sources.wanted(source, rows.path, robot)
 
 
 def _place(source: Path, rows: Database) -> Any:

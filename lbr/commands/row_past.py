@@ -3,8 +3,9 @@
 import time
 from collections.abc import Callable
 from datetime import datetime
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 from click.shell_completion import CompletionItem
@@ -36,26 +37,36 @@ def complete_table(_context: click.Context, _parameter: click.Parameter, begun: 
     return [CompletionItem(name) for name in shipped(robot_db_sql())[1] if name.startswith(begun)]
 
 
+class Changing(NamedTuple):
+    """How a command changes rows: of which robot, since which revision, and whether it writes them."""
+
+    robot: str | None
+    expected: int | None
+    dry_run: bool
+    database: Path | None
+    as_json: bool
+
+
 def change_options(function: F) -> F:
-    """Add --robot, --revision, --dry-run, --db and --json, for commands that change many rows."""
-    options: tuple[Callable[[F], F], ...] = (
-        click.option(
-            "--robot", metavar="NAME", shell_complete=complete_robot, help="Change the rows of one robot alone."
-        ),
-        click.option(
-            "--revision",
-            "expected",
-            type=click.IntRange(0),
-            metavar="N",
-            help="Refuse if the rows have changed since this revision.",
-        ),
-        click.option("--dry-run", is_flag=True, help="Show the effects, and write nothing."),
-        database_option,
-        json_option,
+    """Add --robot, --revision, --dry-run, --db and --json; the command gets them as `how`."""
+
+    @click.option("--robot", metavar="NAME", shell_complete=complete_robot, help="Change the rows of one robot alone.")
+    @click.option(
+        "--revision",
+        "expected",
+        type=click.IntRange(0),
+        metavar="N",
+        help="Refuse if the rows have changed since this revision.",
     )
-    for option in reversed(options):
-        function = option(function)
-    return function
+    @click.option("--dry-run", is_flag=True, help="Show the effects, and write nothing.")
+    @database_option
+    @json_option
+    @wraps(function)
+    def with_how(**given: Any) -> object:
+        how = Changing(**{name: given.pop(name) for name in Changing._fields})
+        return function(**given, how=how)
+
+    return with_how  # type: ignore[return-value]  # click calls it by names only
 
 
 @click.command("history")
@@ -99,70 +110,57 @@ def history(
 @click.command("rollback")
 @click.argument("number", type=click.IntRange(0), metavar="REV")
 @change_options
-def rollback(
-    number: int, robot: str | None, expected: int | None, dry_run: bool, database: Path | None, as_json: bool
-) -> int:
+def rollback(number: int, how: Changing) -> int:
     """Change the rows back to revision REV; 'lbr db undo' takes that back. All of them or none: exit code 2 with the
     problems, and nothing is changed. The emergency stop, tokens and the audit trail stay as they are. A running robot
     follows."""
-
-    with opened(database) as rows:
-        proposed = go_back(rows, number, robot, expected, dry_run=dry_run)
-    return tell(proposed, f"the rows are as at revision {number}", dry_run=dry_run, as_json=as_json)
+    with opened(how.database) as rows:
+        proposed = go_back(rows, number, how)
+    return tell(proposed, f"the rows are as at revision {number}", dry_run=how.dry_run, as_json=how.as_json)
 
 
 @click.command("undo")
 @click.argument("count", type=click.IntRange(1), default=1, metavar="[N]")
 @change_options
-def undo(
-    count: int, robot: str | None, expected: int | None, dry_run: bool, database: Path | None, as_json: bool
-) -> int:
+def undo(count: int, how: Changing) -> int:
     """Take back the newest change of rows, or the newest N; 'undo' once more takes that back.
 
     A change is one entry of 'lbr db history'. With --robot, the newest ones of that robot's rows: later changes of
     other rows stay.
     """
-
-    with opened(database) as rows:
-        if not dry_run and (taken_back := end_left_trial(rows)):
+    with opened(how.database) as rows:
+        if not how.dry_run and (taken_back := end_left_trial(rows)):
             if count > 1:
                 raise InputError(f"{taken_back}: look at 'lbr db history', and say 'lbr db undo' again", "changed")
             click.echo(taken_back)
             return 0
         changes = rows.changes()
-        mine = [one for one in changes if any(_is_asked(row, robot, None, None) for row in one.rows)]
+        mine = [one for one in changes if any(_is_asked(row, how.robot, None, None) for row in one.rows)]
         if len(mine) < count:
             raise InputError(f"there are {len(mine)} changes to take back, not {count}", "not_possible")
-        if expected is None:
-            expected = changes[-1].last
-        proposed = go_back(rows, mine[-count].first - 1, robot, expected, dry_run=dry_run)
+        expected = changes[-1].last if how.expected is None else how.expected
+        proposed = go_back(rows, mine[-count].first - 1, how._replace(expected=expected))
     which = "the newest change is" if count == 1 else f"the newest {count} changes are"
-    return tell(proposed, f"{which} taken back", dry_run=dry_run, as_json=as_json)
+    return tell(proposed, f"{which} taken back", dry_run=how.dry_run, as_json=how.as_json)
 
 
 COMMANDS = (history, rollback, undo)
 
 
-def go_back(
-    rows: "Database", number: int, robot: str | None, expected: int | None, *, dry_run: bool = False
-) -> Proposed:
+def go_back(rows: "Database", number: int, how: Changing) -> Proposed:
     """Change the rows back to those of a revision; raise InputError if that is not possible."""
+    robot = how.robot
 
     def wanted(tables: RawTables, schema: Schema) -> tuple[Change, ...]:
         return changes.between(tables, rows.tables_at(number), schema, robot)
 
-    check_robot(rows, robot)
-    text = f"went back to revision {number}" + (f" of '{robot}'" if robot else "")
-    return change_rows(rows, wanted, text, Touching(rows), expected, dry_run=dry_run)
-
-
-def check_robot(rows: "Database", robot: str | None) -> None:
-    """Raise InputError if there neither is nor was a robot of this name."""
     try:
         rows.robots(robot)
-    except InputError:
+    except InputError:  # there may have been a robot of this name
         if not any(one.row_key[:1] == (robot,) for one in rows.revisions() if one.table == "robot"):
             raise
+    text = f"went back to revision {number}" + (f" of '{robot}'" if robot else "")
+    return change_rows(rows, wanted, text, Touching(rows), how.expected, dry_run=how.dry_run)
 
 
 def between(rows: "Database", first: int, second: int | None) -> tuple[Difference, ...]:

@@ -1,13 +1,12 @@
 """`lbr set`."""
 
 from collections.abc import Iterable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from lbr.commands.completing import complete_setting
-from lbr.commands.row_past import change_options, tell
+from lbr.commands.row_past import Changing, change_options, tell
 from lbr.commands.row_touched import Touching, change_rows
 from lbr.commands.rows import opened, robot_in, running_here
 from lbr.database import changes, edits
@@ -27,15 +26,7 @@ if TYPE_CHECKING:
 @click.argument("setting", metavar="PART.SETTING", shell_complete=complete_setting)
 @click.argument("value", type=click.UNPROCESSED)
 @change_options
-def command(
-    setting: str,
-    value: str,
-    robot: str | None,
-    expected: int | None,
-    dry_run: bool,
-    database: Path | None,
-    as_json: bool,
-) -> int:
+def command(setting: str, value: str, how: Changing) -> int:
     """Set one setting of one part, such as drive.max_power 0.3; all others stay. A running robot follows.
 
     VALUE is JSON, or else a text: 0.3, true, '[100, 130]', slow, '"12"'. It is checked as at a start: exit code 2 if it
@@ -46,8 +37,8 @@ def command(
     part, name = parted(setting)
     if not name:
         raise InputError(f"'{short(setting)}' names no setting: say PART.SETTING, such as drive.max_power")
-    with opened(database) as rows:
-        whose = meant(rows, robot, running_here(rows.path))
+    with opened(how.database) as rows:
+        whose = meant(rows, how.robot, running_here(rows.path))
 
         def wanted(tables: RawTables, schema: Schema) -> tuple[Change, ...]:
             refuse_unknown(part, (row["name"] for row in tables["capability"] if row["robot"] == whose), whose)
@@ -55,10 +46,10 @@ def command(
             return changes.between(tables, after, schema, whose)
 
         touching = Touching(rows)
-        proposed = change_rows(rows, wanted, f"set {part}.{name}", touching, expected, dry_run=dry_run)
-    return tell(
-        proposed, f"{part}.{name} is {short(value)}", dry_run=dry_run, as_json=as_json, touched=touching.effects()
-    )
+        proposed = change_rows(rows, wanted, f"set {part}.{name}", touching, how.expected, dry_run=how.dry_run)
+        touched = touching.effects()
+    done = f"{part}.{name} is {short(value)}"
+    return tell(proposed, done, dry_run=how.dry_run, as_json=how.as_json, touched=touched)
 
 
 def parted(setting: str) -> tuple[str, str]:

@@ -20,7 +20,7 @@ from pathlib import Path
 import pytest
 
 from lbr.commands import attached, proposing, recognised
-from lbr.commands.looking import Looking
+from lbr.commands.devices import Looking
 from lbr.database import store
 from lbr.database.rows import CapabilityRow, DeviceRow, RobotRow, RobotRows
 from lbr.testing.device import plugged

@@ -8,9 +8,8 @@ from prompt_toolkit.document import Document
 
 from lbr.console.completion import LineCompleter
 from lbr.console.confirmation import Confirmation
-from lbr.console.joint_status import joints, power
 from lbr.console.operator import Telemetry
-from lbr.console.toolbar import toolbar
+from lbr.console.toolbar import joints, power, toolbar
 from lbr.console.verbs import VerbCall, Vocabulary
 from lbr.errors import InputError
 from lbr.messages.joints import JointsState, JointState

@@ -5,7 +5,7 @@ import pytest
 
 from lbr.bus import keys, session
 from lbr.executive.planning import rights
-from lbr.executive.service.description import describe
+from lbr.executive.service.reports import describe
 from tests.support.planning import planned, shipped
 
 ROBOTS = ("lbr", "bioloid", "uxa90")

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from lbr.simulation.humanoid.moved import HumanoidPhysics
+from lbr.simulation.humanoid.capability import HumanoidPhysics
 from lbr.simulation.requests import HandRequest
 from tests.models.uxa90 import robot as uxa90
 from tests.simulation.humanoid_bench import drives, humanoid

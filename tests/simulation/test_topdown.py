@@ -8,8 +8,19 @@ import pytest
 
 from lbr.messages.sensing import Ranges
 from lbr.simulation.messages import WorldBox, WorldDock, WorldPose, WorldScene, WorldSensor
-from lbr.simulation.plan import below, box_corners, cones, dock_beams, dock_corners, fit
-from lbr.simulation.topdown import arrow, image, legend_lines, power_bar, text
+from lbr.simulation.topdown import (
+    arrow,
+    below,
+    box_corners,
+    cones,
+    dock_beams,
+    dock_corners,
+    fit,
+    image,
+    legend_lines,
+    power_bar,
+    text,
+)
 
 SCENE = WorldScene(
     walls=(WorldBox(name="north", x_m=2.0, y_m=0.0, length_m=0.1, width_m=4.0),),

@@ -13,13 +13,12 @@ import serial
 from lbr.capability import twins
 from lbr.capability.context import Device
 from lbr.simulation.cameras.host import CameraHost
-from lbr.simulation.capability import World
+from lbr.simulation.capability import WheeledPhysics, World
 from lbr.simulation.engine import Engine
 from lbr.simulation.kind import KIND
 from lbr.simulation.loop import WorldLoop
 from lbr.simulation.requests import FaultRequest, PictureRequest, PlaceRequest, PlugRequest, RemoveRequest
 from lbr.simulation.settings import WorldSettings
-from lbr.simulation.wheeled import WheeledPhysics
 from tests.simulation.world_bench import Bench, Client
 from tests.support import programs
 from tests.support.waiting import HANG_S, STOPS_S, until

@@ -2,12 +2,15 @@
 
 import asyncio
 import hashlib
+import secrets
 import socket
 import sys
-from collections.abc import Coroutine, Iterable
-from contextlib import ExitStack
+import time
+from collections.abc import Callable, Coroutine, Iterable, Mapping
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 from starlette.responses import RedirectResponse, Response
 from starlette.types import ASGIApp
@@ -16,17 +19,140 @@ from lbr import home
 from lbr.apps.http import listening, names, serving
 from lbr.apps.http.pages import Pages
 from lbr.apps.http.rates import Rates
-from lbr.apps.navcam.access import NAME, TokenAccess, token
-from lbr.apps.navcam.source import Door
 from lbr.apps.program import Robot
 from lbr.apps.web.application import Gate, application
-from lbr.apps.web.cameras.routes import CamerasFace
-from lbr.apps.web.face import Route, declared
+from lbr.apps.web.cameras.hub import Deal
+from lbr.apps.web.cameras.routes import OLDEST_S, PREFIX, CamerasFace
+from lbr.apps.web.face import Client, Refused, Route, declared
 from lbr.apps.web.guards import Counts
 from lbr.apps.web.login import Login
 from lbr.apps.web.sessions import Sessions
-from lbr.bus import certificates
-from lbr.errors import InputError
+from lbr.bus import certificates, pictures, probe, stamp, wire
+from lbr.bus.codec import Decoder
+from lbr.bus.session import Session
+from lbr.errors import InputError, MalformedError
+from lbr.messages.camera import CameraState
+
+ANSWER_S = 0.5
+DEPTH = 8
+_states = Decoder(CameraState)
+
+
+def name_in(key: str) -> str:
+    """Return a camera's short name from one of its keys."""
+    return key.split("/")[-2].removeprefix(PREFIX)
+
+
+class Door:
+    """Queries the cameras; all on the server's thread, and waits for the bus beside it."""
+
+    def __init__(self, bus: Session, robot: str, source: str, sessions: Sessions) -> None:
+        self._bus = bus
+        self._robot = robot
+        self._source = source
+        self._sessions = sessions
+
+    async def states(self) -> dict[str, CameraState]:
+        """Return the state of each camera by its short name."""
+        states = {}
+        for raw in await asyncio.to_thread(self._asked, "state"):
+            with suppress(MalformedError):
+                states[name_in(raw.key)] = _states.decode(raw.payload)
+        return dict(sorted(states.items()))
+
+    async def snapshot(self, camera: str) -> bytes | None:
+        """Return the newest picture of a camera, or of any; None without a fresh one."""
+        snapshots = [
+            (stamp.sent_s(stamp.read(raw.attachment), raw.arrived), raw.payload)
+            for raw in await asyncio.to_thread(self._asked, "frame")
+            if camera in {"", name_in(raw.key)} and pictures.is_whole(raw.payload)
+        ]
+        at, picture = max(snapshots, default=(0.0, None))
+        return picture if time.monotonic() - at <= OLDEST_S else None
+
+    def step(self) -> None:
+        """Do nothing: pictures come by themselves."""
+
+    def begin(self, deal: Deal) -> Callable[[], None]:
+        """Subscribe to pictures; the bus library's thread only wakes ours."""
+        loop = asyncio.get_running_loop()
+
+        def wake() -> None:
+            with suppress(RuntimeError):  # the loop is closed
+                loop.call_soon_threadsafe(take)
+
+        def take() -> None:
+            for raw in feed.take():
+                if pictures.is_whole(raw.payload):
+                    deal(name_in(raw.key), raw.payload)
+
+        feed = wire.Subscription(self._bus, f"{self._robot}/{PREFIX}$*/frame", depth=DEPTH, wake=wake)
+        return feed.close
+
+    def knows(self, mark: str) -> bool:
+        """Return whether a client's session or token is still valid."""
+        return self._sessions.knows(mark)
+
+    def tell(self, text: str) -> None:
+        """Write a dated line to the log; viewers may watch even if the log cannot be written."""
+        with suppress(OSError):
+            sys.stdout.write(f"{time.strftime('%Y-%m-%d %H:%M:%S')} {text}\n")
+            sys.stdout.flush()
+
+    def _asked(self, output: str) -> list[Any]:
+        return probe.survey(self._bus, f"{self._robot}/{PREFIX}$*/{output}", source=self._source, timeout_s=ANSWER_S)
+
+
+TOKEN_FILE = "navcam.token"  # noqa: S105 - a file's name
+NAME = "navcam"
+NO_TOKEN = (
+    "show the token: 'Authorization: Bearer TOKEN', or open the address that navcam printed in a browser; "
+    f"it is in credentials/{TOKEN_FILE} of the robot's home"
+)
+
+
+def token() -> str:
+    """Return this home's token, made on first use; removing its file locks all users out."""
+    (path,) = home.credentials(lambda: [secrets.token_urlsafe(32).encode()], TOKEN_FILE)
+    return _read_private(path)
+
+
+def _read_private(path: Path) -> str:
+    text = path.read_text(errors="replace").strip()
+    if len(text) < 32 or not text.isascii():
+        raise InputError(f"{path} holds no token; remove it, and a new one is made")
+    return text
+
+
+class TokenAccess:
+    """Checks the token, in constant time, and the cookies that stand for it."""
+
+    def __init__(self, secret: str, login: Login) -> None:
+        self._secret = secret.encode()
+        self._login = login
+
+    def client(
+        self,
+        address: str,
+        headers: Mapping[str, str],
+        token: str = "",
+        *,
+        port: int = 0,
+        owner: bool = False,
+        whose: str | None = None,
+    ) -> Client:
+        """Return the client; raise Refused (401) without the token or a cookie, from any address."""
+        del port, owner
+        if not token:
+            scheme, _, token = headers.get("authorization", "").partition(" ")
+            token = token.strip() if scheme.lower() == "bearer" else ""
+        if secrets.compare_digest(token.encode(), self._secret):
+            return Client(address, name=NAME, role="view")
+        session = self._login.session(headers, whose)
+        if not session:
+            raise Refused(401, NO_TOKEN, {"WWW-Authenticate": 'Bearer realm="lbr navcam"'})
+        return Client(address, role="view", session=session)
+
 
 SESSIONS = "navcam.sessions"
 REQUESTS_PER_S = 200.0

@@ -2,6 +2,8 @@
 
 import contextlib
 import os
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -26,7 +28,6 @@ from lbr.executive.planning import plan as plans
 from lbr.executive.planning.happened import Happened
 from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.wiring import EXECUTIVE
-from lbr.executive.service import attached
 from lbr.executive.service.row_service import Job, Reply
 from lbr.messages.codes import Code
 from lbr.messages.manage import (
@@ -46,6 +47,26 @@ from lbr.messages.manage import (
 )
 from lbr.messages.rows import Row, short
 from lbr.messages.unreadable import UNREADABLE
+
+WITHIN_S = 9.0
+LONGEST_TEXT = 300
+
+
+def look(robot: str, database: Path) -> object:
+    """Return the output of `lbr devices --json`, which writes nothing; raise InputError if it fails."""
+    words = [sys.executable, "-m", "lbr.start", "devices", "--json", "--robot", robot, "--db", str(database)]
+    try:
+        done = subprocess.run(words, capture_output=True, timeout=WITHIN_S, stdin=subprocess.DEVNULL, check=False)
+    except subprocess.TimeoutExpired:
+        raise InputError(f"'lbr devices' did not end within {WITHIN_S:g} s; say it at the robot", "timeout") from None
+    except OSError as err:
+        raise InputError(f"'lbr devices' cannot be started: {err.strerror}", "failed") from err
+    try:
+        return msgspec.json.decode(done.stdout)
+    except UNREADABLE:
+        why = " ".join(done.stderr.decode(errors="replace").split())[-LONGEST_TEXT:]
+        raise InputError(f"'lbr devices' failed: {why or f'exit code {done.returncode}'}", "failed") from None
+
 
 LETS_IN = (
     "decides who comes in, and a page changes none of that: say 'open' or 'close' at the console, or edit the row there"
@@ -188,7 +209,7 @@ class Pages:
         return ManageReply(accepted=True, data={"events": data})
 
     def _devices(self, _command: LookAtDevices) -> ManageReply:
-        return ManageReply(accepted=True, data=attached.look(self._plan().robot, self._path))
+        return ManageReply(accepted=True, data=look(self._plan().robot, self._path))
 
     def _tokens(self, _command: LookAtTokens) -> ManageReply:
         with Database.open(self._path) as database:
