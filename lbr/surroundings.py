@@ -144,14 +144,16 @@ def explained(err: OSError) -> str:
             else "too many files are open on this machine"
         )
         return f"{what}{whose}: 'ulimit -n {OPEN_FILES}' allows more"
+    lift = "'ulimit -f unlimited' lifts it"
     size = {
-        errno.EFBIG: f"{what}a file or standard output would grow beyond the limit of this process: 'ulimit -f unlimited' lifts it",
+        errno.EFBIG: f"{what}a file or standard output would grow beyond the limit of this process: {lift}",
         errno.ENAMETOOLONG: f"{what[:60]}…: {err.strerror}; give it a shorter one",
     }
     if err.errno in size:
         return size[err.errno]
     if err.errno in {errno.ENOSPC, errno.EDQUOT}:
-        return f"{what or 'standard output or a file of its own: '}there is no room left on the disk: make some, or set LBR_HOME to another one"
+        room = "there is no room left on the disk: make some, or set LBR_HOME to another one"
+        return f"{what or 'standard output or a file of its own: '}{room}"
     return _in_the_way(err, what) if what else ""
 
 

@@ -13,7 +13,7 @@ from typing import Any
 # messages have threads of their own: an answer given there waits for the sender, and would wait for itself. So threads
 # that read (rx) do not watch sockets (app, acc), though each message wakes two threads so. With both waiting to pass a
 # large message on, nothing was sent any more, and the link was given up.
-# Two of them wake each other for each message. What moves or serves has two all the same: one may wait while a stop comes.
+# Two wake each other for each message. What moves or serves has two all the same: one may wait while a stop comes.
 LEAF_RUNTIMES = tuple(
     f"(rx: (worker_threads: {receivers}), acc: (handover: app), tx: (handover: app), net: (handover: app))"
     for receivers in (1, 2)

@@ -153,7 +153,7 @@ class Publisher:
     def _watch(self, watching: Callable[[], None]) -> None:
         def look(_status: object = None) -> None:
             with contextlib.suppress(zenoh.ZError, RuntimeError):  # another thread is undeclaring it
-                self.watched = bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]  # the stub says bool
+                self.watched = bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]
             watching()
 
         self._watcher = self._publisher.declare_matching_listener(direct(look))

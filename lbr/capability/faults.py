@@ -132,7 +132,8 @@ def _ports(group: str, ports: Mapping[str, type[Struct] | Command]) -> Iterator[
         if not _NAME.fullmatch(name):
             yield f"'{group}' names a port {_brief(name)}: small letters, digits, underscores; at most 40"
         if not message.__struct_config__.frozen:
-            yield f"port {_brief(name)} carries {message.__name__}, which must be frozen: class {message.__name__}(Struct, frozen=True)"
+            frozen = f"class {message.__name__}(Struct, frozen=True)"
+            yield f"port {_brief(name)} carries {message.__name__}, which must be frozen: {frozen}"
         elif fault := _unfit(message):
             yield f"port {_brief(name)} carries {message.__name__}, which is not JSON: {fault}"
 

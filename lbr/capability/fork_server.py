@@ -4,10 +4,10 @@
               ◄── ForkReply: its number, by itself, once it leads its session ────────────────────────────────────┘
               ◄── ForkReply: how it ended; ForkOrder to release it: only then is its number free ──► fork server
 
-`python -P -m lbr.capability.fork_server FD KINDS ROOM`, where FD is a socket that separates messages. Before a fork, there
-must be neither a thread nor a session of the bus. When the executive is gone, this process ends; the forked ones have
-lifelines of their own. All of them have the same addresses in memory: an attacker who knows one process's layout knows
-all.
+`python -P -m lbr.capability.fork_server FD KINDS ROOM`, where FD is a socket that separates messages. Before a fork,
+there must be neither a thread nor a session of the bus. When the executive is gone, this process ends; the forked ones
+have lifelines of their own. All of them have the same addresses in memory: an attacker who knows one process's layout
+knows all.
 """
 
 import ctypes

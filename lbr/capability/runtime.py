@@ -265,7 +265,8 @@ class ProcessContext:
         if row not in self._rows:
             if row.TABLE not in self._row_sets:
                 raise ValueError(f"'{self.name}' reads no rows of '{row.TABLE}': list them in `rows` of its kind")
-            self._rows[row] = tuple(msgspec.json.decode(self._row_sets[row.TABLE].rows, type=list[row]))  # type: ignore[valid-type]
+            rows = self._row_sets[row.TABLE].rows
+            self._rows[row] = tuple(msgspec.json.decode(rows, type=list[row]))  # type: ignore[valid-type]
         return cast("tuple[R, ...]", self._rows[row])
 
     def publish(self, output: str, message: Struct, *, taken_s: float | None = None) -> None:

@@ -48,7 +48,8 @@ class DeviceState(Struct):
 def examine() -> Iterator[Finding]:
     """Yield every finding; a check that fails itself is also a finding."""
     checks: tuple[Callable[[], Iterator[Finding]], ...] = (
-        _python, _packages, _robots, _extras, _home, _disk, _database, _bus, _serial, device_checks.speech, device_checks.emulated, device_checks.of_packages, _governor, _clock, _running,
+        _python, _packages, _robots, _extras, _home, _disk, _database, _bus, _serial,
+        device_checks.speech, device_checks.emulated, device_checks.of_packages, _governor, _clock, _running,
         service_checks.services, power_checks.power,
     )  # fmt: skip
     for check in checks:
@@ -210,5 +211,7 @@ def _unheard(robot: str) -> Iterator[Finding]:
     for state in states:
         if msgspec.json.decode(state.payload, type=DeviceState).heard is False:
             name = state.key.split("/")[1]
-            text = f"the device of '{name}' has sent nothing since its line was opened: its state is only what was sent to it"
+            text = (
+                f"the device of '{name}' has sent nothing since its line was opened: its state is what was sent to it"
+            )
             yield Finding(about=f"{robot}/{name}", level="hint", text=text, do="check the device's power and cable")

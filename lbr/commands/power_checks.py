@@ -53,6 +53,7 @@ def _logind(bus: str) -> Finding:
     answer = ask(bus, "CanPowerOff", ANSWER_S)
     if answer.trouble:
         text = f"you could not power off: {answer.trouble}"
-        do = f"as the robot's user it may be another matter: sudo -u lbr {' '.join(unitfiles.this_site().program)} doctor"
+        program = " ".join(unitfiles.this_site().program)
+        do = f"as the robot's user it may be another matter: sudo -u lbr {program} doctor"
         return Finding(about="power off", level="hint", text=text, do=do)
     return Finding(about="power off", level="good", text="logind lets you power this computer off")

@@ -84,9 +84,8 @@ def export(folder: Path, robot: str | None, database: Path | None, as_json: bool
     if as_json:
         print_json({"revision": revision, "files": [str(folder / one.name) for one in files]})
     else:
-        click.echo(
-            f"wrote {len(files)} files of {len({one.robot for one in files})} folders into {folder}: revision {revision}"
-        )
+        folders = len({one.robot for one in files})
+        click.echo(f"wrote {len(files)} files of {folders} folders into {folder}: revision {revision}")
 
 
 COMMANDS = (plan, apply, export, import_)

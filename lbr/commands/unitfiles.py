@@ -131,7 +131,10 @@ def instance_of(profile: str) -> tuple[str, Path | None]:
 def stamped(text: str, comment: str = "#") -> str:
     """Add a head to a file that later shows whether it was edited."""
     digest = hashlib.sha256(text.encode()).hexdigest()
-    return f"{comment} Written by 'lbr service install', version {plugins.version()}; sha256 of the lines below: {digest}\n{text}"
+    head = (
+        f"{comment} Written by 'lbr service install', version {plugins.version()}; sha256 of the lines below: {digest}"
+    )
+    return f"{head}\n{text}"
 
 
 def is_pristine(text: str) -> bool:

@@ -230,9 +230,8 @@ class BusOperator:
         if not question.replies:
             sent = "; the stop was sent, and is not confirmed" if emergency(line) is not None else ""
             switch = f"{sent}; if it moves, use the hardware switch" if is_stop(line) else ""
-            raise BusError(
-                f"robot '{self.robot}' does not answer{switch}; 'lbr status' (with --connect, if you used it) shows the reason"
-            )
+            shows = "'lbr status' (with --connect, if you used it) shows the reason"
+            raise BusError(f"robot '{self.robot}' does not answer{switch}; {shows}")
         try:
             return Decoder(ConsoleResult).decode(question.replies[0].payload)
         except MalformedError as err:

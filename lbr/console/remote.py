@@ -122,10 +122,8 @@ def _why_not(endpoint: str, offered: Offered, der: bytes) -> str:
             return ""
     now = datetime.now(UTC)
     if valid := certificates.untimely(der, now):
-        return (
-            f"{short(endpoint)} shows a certificate that is valid {valid}, and this machine's clock says {now:%Y-%m-%d}: "
-            "set the clock"
-        )
+        clock = f"this machine's clock says {now:%Y-%m-%d}: set the clock"
+        return f"{short(endpoint)} shows a certificate that is valid {valid}, and {clock}"
     return f"{short(endpoint)} refuses the token, {offered.origin}: it is unknown, revoked or expired; {HOW}"
 
 

@@ -253,8 +253,8 @@ class Terminal:
 
     def _flooded(self) -> None:
         self._print(
-            f"more than {LINES_AT_ONCE} lines, or {CHARACTERS_AT_ONCE} characters, came at once, and nothing of it was run:"
-            " paste one line at a time",
+            f"more than {LINES_AT_ONCE} lines, or {CHARACTERS_AT_ONCE} characters, came at once, and nothing of it was "
+            "run: paste one line at a time",
             "error",
         )
         app = self._session.app

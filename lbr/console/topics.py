@@ -90,7 +90,8 @@ def silence(topics: Iterable[Topic], key: str, seconds: float) -> str:
     if name not in known:
         return f"{nothing}, and there is no '{short(name)}'; {_near(name, known)}"
     if known[name].role == "command":
-        return f"{nothing}: it is a command, which publishes nothing by itself; 'lbr topic info {name}' shows what it takes"
+        shows = f"'lbr topic info {name}' shows what it takes"
+        return f"{nothing}: it is a command, which publishes nothing by itself; {shows}"
     return nothing
 
 

@@ -27,8 +27,8 @@ _SENTENCES = {
     sqlite3.SQLITE_CORRUPT: f"is damaged: {_RESTORE}",
     sqlite3.SQLITE_FULL: "cannot grow, because the disk is full: make room",
     sqlite3.SQLITE_CANTOPEN: "cannot be opened: check that it and its folder exist and are yours",
-    sqlite3.SQLITE_INTERRUPT: "has rows that take too long to read or write: a trigger or view that is not of lbr's schema "
-    "may be why, and `lbr db check` names those",
+    sqlite3.SQLITE_INTERRUPT: "has rows that take too long to read or write: a trigger or view that is not of lbr's "
+    "schema may be why, and `lbr db check` names those",
     sqlite3.SQLITE_NOTADB: f"is no database at all: name another file; {_RESTORE}",
 }
 _TABLE = re.compile(r"(?:FROM|INTO|UPDATE) \"?(\w+)", re.IGNORECASE)
@@ -182,8 +182,8 @@ def _sentence(path: Path, error: sqlite3.Error, statement: str) -> str:
     if code == sqlite3.SQLITE_TOOBIG:
         where = f" in '{found[1]}'" if (found := _TABLE.search(statement)) else ""
         return (
-            f"database {path} has a row{where} of more than {LONGEST_BYTES / 1e6:g} MB, or would get one, and lbr reads none so long:"
-            " shorten or delete it with sqlite3, where length(COLUMN) finds it"
+            f"database {path} has a row{where} of more than {LONGEST_BYTES / 1e6:g} MB, or would get one, and lbr "
+            "reads none so long: shorten or delete it with sqlite3, where length(COLUMN) finds it"
         )
     if code == sqlite3.SQLITE_CONSTRAINT:
         return f"database {path} refuses the row: {constraints.words(str(error), statement)}"

@@ -32,7 +32,8 @@ def words(error: str, statement: str = "") -> str:
         places = [part.strip().partition(".") for part in columns[2].split(",")]
         names = ", ".join(column for _, _, column in places)
         if columns[1] == "UNIQUE":
-            return f"table {places[0][0]} has a row with this {names} already: change that row, or take another {names.rpartition(', ')[2]}"
+            other = names.rpartition(", ")[2]
+            return f"table {places[0][0]} has a row with this {names} already: change that row, or take another {other}"
         return f"{_place(places[0][0], names)} must not be NULL"
     if of_type := _TYPE.fullmatch(error):
         given, wanted = _TYPES.get(of_type[1], of_type[1]), _TYPES.get(of_type[2], of_type[2])

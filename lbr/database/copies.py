@@ -80,8 +80,8 @@ def lost_edits(path: Path, revision: int) -> tuple[Problem, ...]:
     if newest <= revision:
         return ()
     text = (
-        f"the newest edits are missing, because a copy that ran has revision {newest}: the file was replaced or damaged,"
-        " or robot.db-wal was taken away; `lbr db restore` puts the last good copy in its place"
+        f"the newest edits are missing, because a copy that ran has revision {newest}: the file was replaced or "
+        "damaged, or robot.db-wal was taken away; `lbr db restore` puts the last good copy in its place"
     )
     return (Problem("revision", str(revision), "", text),)
 

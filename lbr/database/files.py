@@ -61,7 +61,8 @@ def _refuse(path: Path, faults: Iterable[Fault]) -> None:
 
 def _unwritable(path: Path, status: os.stat_result) -> str:
     if os.statvfs(path).f_flag & os.ST_RDONLY:  # Linux makes it so when the disk or card fails
-        return "is on a file system that is read-only: `dmesg` shows the reason, `mount -o remount,rw` undoes it on a sound disk"
+        undo = "`mount -o remount,rw` undoes it on a sound disk"
+        return f"is on a file system that is read-only: `dmesg` shows the reason, {undo}"
     if not status.st_mode & 0o200 or not os.access(path, os.R_OK | os.W_OK):
         return f"is read-only for you (mode {status.st_mode & 0o777:04o}): `chmod u+rw` it"
     if not os.access(path.absolute().parent, os.W_OK | os.X_OK):

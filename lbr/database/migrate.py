@@ -62,7 +62,8 @@ def _refuse_unknown(stamp: str, path: Path) -> None:
         return
     text = f"database {path} has the schema '{stamp}', which this version of lbr (schema {HEAD}) does not know"
     if stamp.isdigit() and stamp < min(known):
-        do = f"it is older; `lbr db export DIR` of the lbr that made it, then `lbr db init --db {NEW}` and `lbr db import DIR --db {NEW}` of this one"
+        take_in = f"`lbr db init --db {NEW}` and `lbr db import DIR --db {NEW}` of this one"
+        do = f"it is older; `lbr db export DIR` of the lbr that made it, then {take_in}"
         raise RowError((f"{text}: {do}",))
     raise RowError((f"{text}: install a newer lbr, or put a backup in its place",))
 

@@ -25,7 +25,7 @@ ALIKE = 1e-14
 
 
 class ChangeRow(Row, frozen=True, kw_only=True):
-    """The author and the program of each change that lbr made. A revision outside all of these is another SQLite client's."""
+    """The author and the program of each change that lbr made. A revision outside these is another SQLite client's."""
 
     TABLE = "change"
     KEY = ("first_revision",)

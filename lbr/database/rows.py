@@ -208,8 +208,9 @@ def _same_lines(row: "VerbRow", others: Others) -> Iterator[Fault]:
 
 
 class VerbRow(Row, frozen=True, kw_only=True):
-    """The words of the console. A word may have several patterns. `/r/{power}/{angle_deg}` puts parts of a line into fields of
-    the target's message, `{text...}` the rest of the line with its slashes. A pattern without a slash is an alias."""
+    """The words of the console. A word may have several patterns. `/r/{power}/{angle_deg}` puts parts of a line into
+    fields of the target's message, `{text...}` the rest of the line with its slashes. A pattern without a slash is an
+    alias."""
 
     TABLE = "verb"
     KEY = ("word", "pattern")
@@ -253,9 +254,9 @@ def _no_verb(row: "ExternalCommandRow", others: Others) -> Iterator[Fault]:
 
 
 class ExternalCommandRow(Row, frozen=True, kw_only=True):
-    """Programs that the console starts by name, without a shell. `arguments` has an entry for each word after the name; the
-    last words may be left out. An entry is a list of the allowed words, such as ["left", "right"]. Or it is a regular expression
-    for the whole word, such as "[0-9]{1,3}". A word that begins with '-' must be in a list."""
+    """Programs that the console starts by name, without a shell. `arguments` has an entry for each word after the name;
+    the last words may be left out. An entry is a list of the allowed words, such as ["left", "right"]. Or it is a
+    regular expression for the whole word, such as "[0-9]{1,3}". A word that begins with '-' must be in a list."""
 
     TABLE = "external_command"
     KEY = ("name",)
@@ -323,8 +324,8 @@ class TokenRow(Row, frozen=True, kw_only=True):
 
 
 class AuditRow(Row, frozen=True, kw_only=True):
-    """The audit trail: what people and programs did to the robot. Each hash covers the hash before it, so `lbr db check` finds
-    a changed or missing row. Written by lbr and never changed; the oldest of very many are deleted."""
+    """The audit trail: what people and programs did to the robot. Each hash covers the hash before it, so `lbr db
+    check` finds a changed or missing row. Written by lbr and never changed; the oldest of very many are deleted."""
 
     TABLE = "audit"
     KEY = ("id",)

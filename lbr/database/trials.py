@@ -18,8 +18,8 @@ _OLDER_GO = "DELETE FROM trial WHERE revision NOT IN (SELECT revision FROM trial
 
 
 class Trial(Row, frozen=True, kw_only=True):
-    """Changes of rows on trial (`lbr db apply --within`), written by lbr. The robot goes back to the rows before, unless all
-    changed parts are ready in time. Only the newest row counts."""
+    """Changes of rows on trial (`lbr db apply --within`), written by lbr. The robot goes back to the rows before,
+    unless all changed parts are ready in time. Only the newest row counts."""
 
     TABLE = "trial"
     KEY = ("revision",)
@@ -44,8 +44,8 @@ def refuse_running(connection: Connection) -> None:
     trial = _newest(connection)
     if trial is not None and trial.state == "running":
         raise InputError(
-            f"revision {trial.revision} is on trial by '{trial.robot}' for {trial.within_s:g} s: wait for what becomes of it;"
-            " if that robot does not run any more, its next start goes back, as does `lbr db undo`",
+            f"revision {trial.revision} is on trial by '{trial.robot}' for {trial.within_s:g} s: wait for what becomes "
+            "of it; if that robot does not run any more, its next start goes back, as does `lbr db undo`",
             "busy",
         )
 

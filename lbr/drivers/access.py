@@ -14,7 +14,8 @@ def refused(path: str, group: str = "") -> str:
     """Return the end of a sentence about a device that this user may not open; udev may still be setting its rights."""
     join = f"join the group {group or 'of that file'} and log in again"
     if is_settling(path):
-        return f"may not be opened by this user yet: it was plugged in just now, and udev may still be setting its group; if this stays, {join}"
+        soon = "it was plugged in just now, and udev may still be setting its group"
+        return f"may not be opened by this user yet: {soon}; if this stays, {join}"
     return f"may not be opened by this user; {join}"
 
 

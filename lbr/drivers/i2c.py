@@ -109,7 +109,7 @@ def _why_not(device: Device, place: Place, err: OSError) -> str:
     complaint = f"device '{device.name}' at {device.address}: /dev/i2c-{place.number}"
     match err.errno:
         case errno.ENOENT | errno.ENXIO | errno.ENODEV:
-            return f"{complaint} is missing; switch i2c on (on a Pi: raspi-config), or correct the device row; see lbr doctor"
+            return f"{complaint} is missing; switch i2c on (on a Pi: raspi-config), or correct the row; see lbr doctor"
         case errno.EACCES | errno.EPERM:
             return f"{complaint} {access.refused(f'/dev/i2c-{place.number}', 'i2c')}"
         case _:

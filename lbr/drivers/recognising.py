@@ -113,7 +113,7 @@ def by_name(place: str, name: str, known: Known) -> Found | None:
 
 
 def _in_order(wanted: Iterable[tuple[str, SerialHandshake]]) -> list[tuple[str, SerialHandshake]]:
-    """Put the handshakes that only listen first; then sort by speed, the most common first, so that it changes seldom."""
+    """Put the handshakes that only listen first; then sort by speed, the most common first, as it changes seldom so."""
     return sorted(wanted, key=lambda one: (bool(one[1].questions), one[1].baud != FIRST_BAUD, one[1].baud, one[0]))
 
 

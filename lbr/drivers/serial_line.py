@@ -156,7 +156,8 @@ def resolve(device: Device, ports: Callable[[], list[tuple[str, int | None, int 
         paths = sorted(glob(f"{BY_ID}/{address.removeprefix('by-id:')}"))  # noqa: PTH207  a pattern, from a row
     else:
         raise DeviceError(
-            f"device '{device.name}': address '{address}' is not one of a path (/dev/...), usb:VID:PID[:SERIAL], by-id:GLOB"
+            f"device '{device.name}': address '{address}' is not one of a path (/dev/...), "
+            "usb:VID:PID[:SERIAL], by-id:GLOB"
         )
     return _only_one(device, paths)
 

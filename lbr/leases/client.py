@@ -17,8 +17,8 @@ from lbr.messages.leases import CommandReply, StopCommand
 
 RENEW_S = 0.1
 SILENT_S = 0.5
-"""A lender that answers nothing for this long is silent. A round of ours counts as `RENEW_S` at most: while this process
-was delayed it neither asked nor read. Then only the lease shows whether that was too long."""
+"""A lender that answers nothing for this long is silent. A round of ours counts as `RENEW_S` at most: while this
+process was delayed it neither asked nor read. Then only the lease shows whether that was too long."""
 ANSWER_S = 1.0
 MOST_WAITING = 8
 MOST_RESULTS = 8

@@ -15,7 +15,9 @@ MANOEUVRES: tuple[Manoeuvre, ...] = ("align", "search", "follow", "withdraw", "r
 class SeekCommand(Struct, frozen=True, kw_only=True):
     """Do a manoeuvre, while the lease is renewed with the same command.
 
-    `align`: turn the back to the dock's wall, as far off as the beams are wide. `search`: go along it to a beam. `follow`: back up between the beams until a touch. `withdraw`: drive away from the dock, towards the middle of its beams. `roam`: go where there is most room.
+    `align`: turn the back to the dock's wall, as far off as the beams are wide. `search`: go along it to a beam.
+    `follow`: back up between the beams until a touch. `withdraw`: drive away from the dock, towards the middle of its
+    beams. `roam`: go where there is most room.
     """
 
     manoeuvre: Manoeuvre

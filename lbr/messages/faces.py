@@ -17,8 +17,8 @@ Text = Annotated[str, Meta(max_length=200)]
 
 
 class Motor(Row, frozen=True, kw_only=True):
-    """Numbers, names and limits of servos for a face, such as an old phone app, in the servos' own counts. A face uses one
-    layer. The limits of the joints always hold, too."""
+    """Numbers, names and limits of servos for a face, such as an old phone app, in the servos' own counts. A face uses
+    one layer. The limits of the joints always hold, too."""
 
     TABLE = "motor"
     KEY = ("layer", "id")

@@ -9,8 +9,8 @@ class ImuSample(Struct, frozen=True, kw_only=True):
     """One instant of an inertial unit, along the sensor's own right-handed axes, also of the magnetometer.
 
     `mag_ut` is null between two measurements of the slower magnetometer. `orientation` (w, x, y, z): the device's own,
-    if it has one. `time_s`: measured then, by the monotonic clock of the driver's host. `span_s`: at rest it is the mean
-    of some readings, the first of them so long before; 0 of a single one.
+    if it has one. `time_s`: measured then, by the monotonic clock of the driver's host. `span_s`: at rest it is the
+    mean of some readings, the first of them so long before; 0 of a single one.
     """
 
     valid: bool

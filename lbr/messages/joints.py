@@ -220,12 +220,14 @@ class Motion(Struct, frozen=True, kw_only=True):
 class JointsCommand(Struct, frozen=True, kw_only=True):
     """Move joints to `positions`, or through `frames`, while the lease is renewed.
 
-    Without `duration_s` the longest way sets the time, at `speed_rps` or as the rows allow; no joint goes faster than its row. `smooth` passes through frames without a stop, `linear` goes straight between them. `append`: `frames` follow those under way; the goal stays. With nothing to move, it renews the lease. `asked_s`: when the
-    original sender asked, by the robot's monotonic clock; older than a stop, it does not begin.
+    Without `duration_s` the longest way sets the time, at `speed_rps` or as the rows allow; no joint goes faster than
+    its row. `smooth` passes through frames without a stop, `linear` goes straight between them. `append`: `frames`
+    follow those under way; the goal stays. With nothing to move, it renews the lease. `asked_s`: when the original
+    sender asked, by the robot's monotonic clock; older than a stop, it does not begin.
 
-    `join`: `positions` begin at once beside what moves, as fast as they may. `torque`: the strength of the named joints, a fraction of their most. `torques`: where they differ.
-    `stored`: the robot's own controller plays it; nothing else moves meanwhile. `stay`: the lease lives on after the
-    end, while it is renewed.
+    `join`: `positions` begin at once beside what moves, as fast as they may. `torque`: the strength of the named
+    joints, a fraction of their most. `torques`: where they differ. `stored`: the robot's controller plays it; nothing
+    else moves meanwhile. `stay`: the lease lives on after the end, while it is renewed.
     """
 
     positions: dict[str, JointRad] = {}
@@ -287,7 +289,8 @@ class JointState(ServoState, frozen=True, kw_only=True):
 class JointsState(Struct, frozen=True, kw_only=True):
     """All joints in one sweep of the bus, their holder, and why they stand still.
 
-    `passed`: key frames of this goal that lie behind. `stored`: the slot that the controller plays, for `left_s` more. `feet_s`: what a stopped robot may still need to its stance.
+    `passed`: key frames of this goal that lie behind. `stored`: the slot that the controller plays, for `left_s` more.
+    `feet_s`: what a stopped robot may still need to its stance.
     """
 
     sequence: int

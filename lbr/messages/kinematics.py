@@ -205,7 +205,7 @@ def _too_few(kind: BaseKind, wheels: Sequence[Wheel], track_factor: float) -> st
     motors = {wheel.motor: copysign(1.0, wheel.y_m) for wheel in wheels}
     if kind in HOLONOMIC:
         if _solved(kind, [_rolls(wheel, track_factor) for wheel in wheels]) is None:
-            return "these wheels do not give motion ahead, sideways and round: look at their places, yaw_rad and roller_rad"
+            return "these wheels do not move ahead, sideways and round: look at their places, yaw_rad and roller_rad"
         return ""
     if set(motors.values()) != {1.0, -1.0}:
         return "there must be a motor on each side (y_m positive and negative)"

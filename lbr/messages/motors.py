@@ -35,9 +35,9 @@ class MotorState(Struct, frozen=True, kw_only=True):
 class MotorsState(Struct, frozen=True, kw_only=True):
     """Powers and measurements of the motor controller; null is not measured.
 
-    `armed`: a setpoint would be applied. `voltage_v`: the battery. `internal_v`: the controller's own
-    supply. Currents and counts are positive forward. `faults`: as the driver lists them. `motors`: those other than `left` and `right`, which the base then derives.
-    `rests`: they stand, and are reported twice a second until they move.
+    `armed`: a setpoint would be applied. `voltage_v`: the battery. `internal_v`: the controller's own supply. Currents
+    and counts are positive forward. `faults`: as the driver lists them. `motors`: those other than `left` and `right`,
+    which the base then derives. `rests`: they stand, and are reported twice a second until they move.
     """
 
     left: float

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 UNITS = {
-    "a": "A", "c": "°C", "deg": "°", "dps": "°/s", "hz": "Hz", "m": "m", "mb": "MB", "mps": "m/s", "mps2": "m/s²", "ms": "ms", "ns": "ns",
-    "percent": "%", "px": "px", "rad": "rad", "rps": "rad/s", "s": "s", "ut": "µT", "v": "V",
+    "a": "A", "c": "°C", "deg": "°", "dps": "°/s", "hz": "Hz", "m": "m", "mb": "MB", "mps": "m/s", "mps2": "m/s²",
+    "ms": "ms", "ns": "ns", "percent": "%", "px": "px", "rad": "rad", "rps": "rad/s", "s": "s", "ut": "µT", "v": "V",
 }  # fmt: skip
 """By the last part of a field's name."""
 TIGHT = frozenset({"°", "%"})

@@ -21,9 +21,10 @@ LEVEL_RAD = 0.5
 class Ranges(Struct, frozen=True, kw_only=True):
     """Distances around the robot in metres; null is not measured, and `status` is the reason.
 
-    The sensors are rows of `range_sensor`; those without a field are in `others_m`, and then only those with a value or status. `over_range`: nothing within reach. `invalid`: the sensor sent an error
-    value. `missing`: the sensor does not exist or answer. `cycle_s`: the board's measuring cycle. `ages_s`: of each measurement.
-    `rests`: the base stands and they are unchanged; they are reported twice a second until one changes.
+    The sensors are rows of `range_sensor`; those without a field are in `others_m`, and then only those with a value or
+    status. `over_range`: nothing within reach. `invalid`: the sensor sent an error value. `missing`: the sensor does
+    not exist or answer. `cycle_s`: the board's measuring cycle. `ages_s`: of each measurement. `rests`: the base stands
+    and they are unchanged; they are reported twice a second until one changes.
     """
 
     forward_m: float | None
@@ -131,8 +132,8 @@ Metres = Annotated[float, Meta(ge=-5.0, le=5.0)]
 
 
 class RangeSensor(Row, frozen=True, kw_only=True):
-    """Sensors of distance: the place of each on the base, its direction, width and reach. Axes are REP 103's: x ahead, y
-    left, from the middle between the wheels; angles are anticlockwise.
+    """Sensors of distance: the place of each on the base, its direction, width and reach. Axes are REP 103's: x ahead,
+    y left, from the middle between the wheels; angles are anticlockwise.
     """
 
     TABLE = "range_sensor"

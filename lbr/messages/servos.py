@@ -93,9 +93,9 @@ class BusStatistics(Struct, frozen=True, kw_only=True):
 class ServosState(Struct, frozen=True, kw_only=True):
     """One coherent look at every servo of a bus. `sweep` counts; `measured_s` is its end, monotonic.
 
-    `armed`: a setpoint would be applied. `rests`: no servo moves; a setpoint is good for 0.3 s then. `stores`: its controller plays motions of its own; `stored`:
-    the newest. `mode`: the controller's, where it has several. `tells_torque` false: servos cannot report their torque;
-    null where this driver sent none.
+    `armed`: a setpoint would be applied. `rests`: no servo moves; a setpoint is good for 0.3 s then. `stores`: its
+    controller plays motions of its own; `stored`: the newest. `mode`: the controller's, where it has several.
+    `tells_torque` false: servos cannot report their torque; null where this driver sent none.
     """
 
     sweep: int

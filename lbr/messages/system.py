@@ -28,7 +28,9 @@ CapabilityPhase = Literal["waiting", "starting", "ready", "degraded", "stopping"
 class Stamp(Struct, frozen=True, kw_only=True):
     """The publisher, the number of the message since its start, and its monotonic and wall clock.
 
-    `boot`: two monotonic times compare only within one. `seal` proves the writer of a setpoint. `waited_s`: the wait before it was sent, as of a typed line. `by`: the original asker. `via`: the door from another machine. `token`: who came in there, proven by a seal.
+    `boot`: two monotonic times compare only within one. `seal` proves the writer of a setpoint. `waited_s`: the wait
+    before it was sent, as of a typed line. `by`: the original asker. `via`: the door from another machine. `token`: who
+    came in there, proven by a seal.
     """
 
     source: str

@@ -265,7 +265,7 @@ def origin_of(call: Call) -> dict[str, Any]:
 
 
 def marked(setpoint: Struct) -> Struct:
-    """Return a setpoint with a mark in place of its lease: setpoints are public, and a lease is valid for any sender."""
+    """Return a setpoint with a mark in place of its lease: setpoints are public, and a lease is good for any sender."""
     lease = getattr(setpoint, "lease", "")
     return replace(setpoint, lease=mark(lease)) if lease else setpoint
 

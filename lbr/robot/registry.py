@@ -122,7 +122,8 @@ def _unreadable(robot: Robot) -> Iterator[str]:
             yield f"'motion_formats' has {one!r}: each is a MotionFormat(suffix='.abc', …), and none is '.json'"
     for old in robot.old_formats:
         if not isinstance(old, OldFormat) or not _FORMAT.fullmatch(old.name):
-            yield f"'old_formats' has {old!r}: each is an OldFormat(name='my-program', …), of small letters, digits and dashes"
+            form = "OldFormat(name='my-program', …), of small letters, digits and dashes"
+            yield f"'old_formats' has {old!r}: each is an {form}"
 
 
 def _taken_names(point: Plugin, robot: Robot) -> Iterator[str]:

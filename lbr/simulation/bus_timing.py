@@ -29,8 +29,10 @@ def rhythm(random: Random) -> Rhythm:
 class BusTiming(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Delays of an answer besides its bytes' own time at the line's rate. Each part may be 0.
 
-    `ping_us`, `read_us`, `write_us`, `write_byte_us`: a servo's own time, by users; its return delay hides it, or adds to it with `delay_adds` (not measured). Every `interrupt_period_us` its motor control
-    takes `interrupt_us`: the jitter. `usb_us`: host and USB, for a round trip; 1100 on the first owners' computer. `eeprom_us`: deafness for each EEPROM byte.
+    `ping_us`, `read_us`, `write_us`, `write_byte_us`: a servo's own time, by users; its return delay hides it, or adds
+    to it with `delay_adds` (not measured). Every `interrupt_period_us` its motor control takes `interrupt_us`: the
+    jitter. `usb_us`: host and USB, for a round trip; 1100 on the first owners' computer. `eeprom_us`: deafness for each
+    EEPROM byte.
     """
 
     ping_us: Us = 18.0

@@ -50,9 +50,13 @@ def model_xml(settings: WorldSettings, wheels: Sequence[Wheel] = (), *, rollers:
 <mujoco model="world">
   <compiler angle="radian"/>
   <option timestep="{TIMESTEP_S}" integrator="implicitfast" magnetic="{_numbers(*settings.compass.vector_ut)}"/>
-  <visual><headlight ambient="0.45 0.45 0.45" diffuse="0.5 0.5 0.5" specular="0 0 0"/><quality offsamples="0" shadowsize="0"/></visual>
+  <visual>
+    <headlight ambient="0.45 0.45 0.45" diffuse="0.5 0.5 0.5" specular="0 0 0"/>
+    <quality offsamples="0" shadowsize="0"/>
+  </visual>
   <worldbody>
-    <geom name="floor" type="plane" size="50 50 0.1" group="{FLOOR}" friction="0.9 0.005 0.0001" rgba="0.74 0.68 0.6 1"/>
+    <geom name="floor" type="plane" size="50 50 0.1" group="{FLOOR}" friction="0.9 0.005 0.0001"
+          rgba="0.74 0.68 0.6 1"/>
 {"".join(_geom(box) for box in settings.walls)}{_dock(settings.dock)}{"".join(map(_placeable, PLACEABLE))}
 {_robot(settings, wheels, rollers=rollers)}{"".join(_ball(*one) for one in settings.balls.items())}
   </worldbody>
@@ -85,8 +89,9 @@ def _geom(box: BoxSettings) -> str:
     size = half if box.kind == "box" else (half[0], half[2])
     group = f'group="{STANDING}"' if box.solid else f'group="{FLOOR}" contype="0" conaffinity="0"'
     return f"""
-    <geom name={quoteattr(box.name)} type="{box.kind}" {group} size="{_numbers(*size)}" {_SMOOTH} rgba="{_rgba(box.colour)}"
-          pos="{_numbers(box.x_m, box.y_m, box.bottom_m + half[2])}" euler="0 0 {box.yaw_rad}"/>"""
+    <geom name={quoteattr(box.name)} type="{box.kind}" {group} size="{_numbers(*size)}" {_SMOOTH}
+          rgba="{_rgba(box.colour)}" euler="0 0 {box.yaw_rad}"
+          pos="{_numbers(box.x_m, box.y_m, box.bottom_m + half[2])}"/>"""
 
 
 def _dock(dock: Dock | None) -> str:
@@ -109,7 +114,8 @@ def _placeable(name: str) -> str:
 def _ball(name: str, ball: Ball) -> str:
     return f"""
     <body name={quoteattr(BALL.format(name))} mocap="true" pos="{_numbers(*first_place(ball))}">
-      <geom type="sphere" group="{FLOOR}" contype="0" conaffinity="0" mass="0" size="{ball.radius_m}" rgba="{_rgba(ball.colour)}"/>
+      <geom type="sphere" group="{FLOOR}" contype="0" conaffinity="0" mass="0" size="{ball.radius_m}"
+            rgba="{_rgba(ball.colour)}"/>
     </body>"""
 
 

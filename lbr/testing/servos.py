@@ -213,8 +213,8 @@ def moves_nothing_when_it_opens(servos: ServosBench) -> None:
         true = began[servo.id]
         assert servo.position_rad is not None
         assert abs(servo.position_rad - true) < AT_RAD, (
-            f"servo {servo.id} is at {true:.3f} rad and the driver reports {servo.position_rad:.3f}: driver and twin read the "
-            "data sheet in two ways"
+            f"servo {servo.id} is at {true:.3f} rad and the driver reports {servo.position_rad:.3f}: driver and twin "
+            "read the data sheet in two ways"
         )
 
 
@@ -366,8 +366,8 @@ def _let_go_in_time(servos: ServosBench, since: float, stood: Mapping[int, float
     assert passed_s > 0.8 * HOLD_S, f"servos were let go after {passed_s:.2f} s, and hold_s is {HOLD_S:g}"
     assert gone < STOOD_RAD, f"a servo went on by {gone:.3f} rad that nobody moved any more"
     assert servos.shafts.weakened() or not servos.fades, (
-        "torque went at once, and an arm falls then: `write_limits` is to make it less before; or have the bench know that "
-        "these servos cannot (fades=False)"
+        "torque went at once, and an arm falls then: `write_limits` is to make it less before; or have the bench know "
+        "that these servos cannot (fades=False)"
     )
 
 

@@ -182,4 +182,5 @@ def silence(now: Snapshot, part: Part) -> Iterator[Link]:
 
 def update(table: str, where: str, robot: str, column: str = "enabled = 1") -> str:
     """Return the command that changes a row; by default, one that enables it."""
-    return f"sqlite3 ~/.lbr/robot.db \"UPDATE {table} SET {column} WHERE robot = '{robot}' AND {where}\""  # noqa: S608 - told to people
+    statement = f"UPDATE {table} SET {column} WHERE robot = '{robot}' AND {where}"  # noqa: S608 - told to people
+    return f'sqlite3 ~/.lbr/robot.db "{statement}"'

@@ -86,7 +86,8 @@ class Walk:
     def asker(self, part: Part) -> Iterator[Link]:
         """Yield whether the asker may move this part."""
         if part.moves and RANKS[self.now.role] < RANKS["operate"]:
-            text = f"who asks has the role '{self.now.role}', which may look and stop; to move '{part.name}' takes 'operate'"
+            needed = f"to move '{part.name}' takes 'operate'"
+            text = f"who asks has the role '{self.now.role}', which may look and stop; {needed}"
             do = "come in with another token: lbr token add NAME --role operate, at the robot"
             yield Link("asker", self.now.asker, "held", text, "role", do=do)
 

@@ -11,13 +11,16 @@ WIDE, HIGH, ACROSS, DOWN, EDGE = 170, 44, 90, 120, 40
 LONGEST = 34
 _STYLE = """
   .page { fill: #ffffff } .state { fill: #f4f6f8; stroke: #5b6b7b; stroke-width: 1.5 }
-  .start { fill: #e3effc; stroke: #2b6cb0 } .end { fill: #e4f5e9; stroke: #2f855a } .fail { fill: #fce8e6; stroke: #c53030 }
+  .start { fill: #e3effc; stroke: #2b6cb0 } .end { fill: #e4f5e9; stroke: #2f855a }
+  .fail { fill: #fce8e6; stroke: #c53030 }
   .way { fill: none; stroke: #7b8794; stroke-width: 1.4; marker-end: url(#tip) } .tip { fill: #7b8794 }
-  text { font: 13px system-ui, sans-serif; fill: #1f2933; text-anchor: middle } .title { font-size: 17px; font-weight: 600; text-anchor: start }
+  text { font: 13px system-ui, sans-serif; fill: #1f2933; text-anchor: middle }
+  .title { font-size: 17px; font-weight: 600; text-anchor: start }
   .said { font-size: 11px; fill: #52606d; paint-order: stroke; stroke: #ffffff; stroke-width: 4px }
   @media (prefers-color-scheme: dark) {
     .page { fill: #14181d } .state { fill: #222a33; stroke: #8b9aab } text { fill: #e4e7eb }
-    .start { fill: #1d3450; stroke: #63a4e8 } .end { fill: #1b3a28; stroke: #68c08d } .fail { fill: #45211f; stroke: #f08c85 }
+    .start { fill: #1d3450; stroke: #63a4e8 } .end { fill: #1b3a28; stroke: #68c08d }
+    .fail { fill: #45211f; stroke: #f08c85 }
     .said { fill: #b6c2cf; stroke: #14181d }
   }
 """
@@ -100,7 +103,8 @@ def _way(a: _Place, b: _Place, number: int, label: str) -> str:
         return _drawn(path, x + 30, a.y + 30 + 13 * number, label)
     if 0 < b.y - a.y <= HIGH + DOWN:
         shift = 22 * number
-        path = f"M{a.x + shift:.0f} {a.y + half:.0f} C{a.x + shift:.0f} {a.y + half + 45:.0f} {b.x + shift:.0f} {b.y - half - 45:.0f} {b.x + shift:.0f} {b.y - half:.0f}"
+        begin, end, top, bottom = a.x + shift, b.x + shift, a.y + half, b.y - half
+        path = f"M{begin:.0f} {top:.0f} C{begin:.0f} {top + 45:.0f} {end:.0f} {bottom - 45:.0f} {end:.0f} {bottom:.0f}"
         return _drawn(path, a.x + 0.42 * (b.x - a.x) + shift, a.y + half + 40 + 14 * number, label)
     side = 1 if b.x >= a.x else -1
     x1, x2 = a.x + side * WIDE / 2, b.x + side * WIDE / 2
@@ -118,8 +122,9 @@ def _boxes(places: Mapping[str, _Place], types: Mapping[str, str]) -> Iterator[s
     for state, at in places.items():
         kind = types.get(state, "")
         yield (
-            f'<rect class="state {kind}" x="{at.x - WIDE / 2:.0f}" y="{at.y - HIGH / 2:.0f}" width="{WIDE}" height="{HIGH}" '
-            f'rx="{22 if kind else 9}"/><text x="{at.x:.0f}" y="{at.y + 4:.0f}">{escape(_short(state, 24))}</text>'
+            f'<rect class="state {kind}" x="{at.x - WIDE / 2:.0f}" y="{at.y - HIGH / 2:.0f}" '
+            f'width="{WIDE}" height="{HIGH}" rx="{22 if kind else 9}"/>'
+            f'<text x="{at.x:.0f}" y="{at.y + 4:.0f}">{escape(_short(state, 24))}</text>'
         )
 
 

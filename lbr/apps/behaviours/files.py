@@ -176,7 +176,8 @@ def _row(
     if commas:
         for column in [one for one in given if one not in _TEXTS]:
             if any(_POINT.search(part) for part in given[column].split('"')[::2]):
-                text = f"'{given[column][:40]}' has a point, and the numbers of this file have decimal commas: write one mark"
+                shown = given[column][:40]
+                text = f"'{shown}' has a point, and the numbers of this file have decimal commas: write one mark"
                 faults.append(FileFault(line, column, text))
                 del given[column]
             else:

@@ -49,7 +49,7 @@ STREAMS = (
 DO = {
     "bad_value": "keep to the bounds that the tool states",
     "busy": "wait for its end, or call `stop`",
-    "confirm": "ask the person who is with the robot: they let you by `/agent/` and your name, at a console or the page",
+    "confirm": "ask the person with the robot: they let you by `/agent/` and your name, at a console or the page",
     "denied": "ask the person before you try it again; `words` lists the allowed words",
     "estop": "ask a person to reset it; no tool does",
     "held": "ask its holder to let go; `status` names the holder",

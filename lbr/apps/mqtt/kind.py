@@ -83,7 +83,7 @@ class MqttSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
             raise ValueError(f"host: '{self.host}' is no name and no address of a machine")
         if self.host and not (self.tls or self.clear_text or is_local(self.host)):
             raise ValueError(
-                "tls: another machine is spoken to by TLS; clear_text set to true does without, and lets all in between ask"
+                "tls: another machine is spoken to by TLS; clear_text = true does without, and lets all in between ask"
             )
         if bool(self.certificate) != bool(self.key):
             raise ValueError("certificate and key: each needs the other")

@@ -164,7 +164,8 @@ def token(text: str) -> Node | Endpoint | None:
     if len(parts) != _ENDPOINT_PARTS:
         raise InputError(f"'{text[:80]}' is not a token of ROS", "malformed")
     topic, dds, hash_, qos = parts[_NODE_PARTS:]
-    return Endpoint(node=node, id=id_, kind=kind, topic=_path(topic), type=ros_type(dds), hash=hash_, qos=qos)  # type: ignore[arg-type]
+    path, named = _path(topic), ros_type(dds)
+    return Endpoint(node=node, id=id_, kind=kind, topic=path, type=named, hash=hash_, qos=qos)  # type: ignore[arg-type]
 
 
 def attachment(data: bytes) -> Attachment:

@@ -1,4 +1,4 @@
-"""The last switch position of a camera, for as long as its robot runs: it outlives a restart of the camera's process."""
+"""The last switch position of a camera, for as long as its robot runs: it outlives restarts of the camera's process."""
 
 import os
 from contextlib import suppress

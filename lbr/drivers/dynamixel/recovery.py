@@ -30,7 +30,7 @@ def recovery(servo: int, eeprom: Kept) -> Callable[[Bus], str]:
 
 
 def _cause(error: int, block: bytes, eeprom: Kept) -> str:
-    """Return the fault that persists. An overload shows only under torque; its bit stays until the torque limit is set."""
+    """Return the fault that persists. An overload shows under torque only; its bit stays until that limit is set."""
     names = set(error_names(error & eeprom.shutdown))
     temperature = table.PRESENT_TEMPERATURE.decode(block, STATE_ADDRESS)
     tenths = table.PRESENT_VOLTAGE.decode(block, STATE_ADDRESS)

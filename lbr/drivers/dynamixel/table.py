@@ -102,14 +102,14 @@ def position_rad(raw: int) -> float:
 
 
 def position_raw(angle_rad: float) -> int:
-    """Return the position nearest to an angle, within the servo's range; raise ValueError if the angle is not finite."""
+    """Return the position nearest to an angle, within the servo's range; raise ValueError if it is not finite."""
     if not isfinite(angle_rad):
         raise ValueError(f"an angle of {angle_rad} rad is not a position")
     return max(0, min(POSITION_STEPS, CENTRE + round(_bounded(angle_rad) / RAD_PER_STEP)))
 
 
 def speed_raw(speed_rps: float | None) -> int:
-    """Return the raw moving speed; None means full speed, which the servo encodes as 0, so a slow speed is at least 1."""
+    """Return the raw moving speed; None is full speed, which the servo encodes as 0, so a slow speed is at least 1."""
     if speed_rps is None:
         return 0
     if not isfinite(speed_rps) or speed_rps <= 0.0:

@@ -8,7 +8,7 @@ from lbr.messages.units import Name
 
 
 class GamepadSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Settings of a row of kind `gamepad`; its device's address is a path, or `input:` with its radio address or name."""
+    """Settings of a row of kind `gamepad`. The device's address is a path, or `input:` with radio address or name."""
 
     device: Name
 

@@ -15,7 +15,7 @@ AT_REST = Held({}, ())
 
 
 class Gamepad(Capability[GamepadSettings]):
-    """Publishes each press and release, however short, and the newest position of sticks, at most fifty times a second."""
+    """Publishes each press and release, however short, and the newest position of sticks, at most at 50 Hz."""
 
     rate_hz = REST_HZ
 

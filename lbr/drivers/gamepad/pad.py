@@ -1,4 +1,4 @@
-"""The state of a gamepad from its events, by Linux's gamepad specification and the habits of pads that deviate. Pure."""
+"""The state of a gamepad from its events, by Linux's gamepad specification and the habits of other pads. Pure."""
 
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
@@ -110,7 +110,7 @@ class Pad:
         return states
 
     def held(self) -> Held:
-        """Return the state: an axis without a value is at rest, and of two with one meaning the more deflected counts."""
+        """Return the state: an axis without a value is at rest; of two with one meaning the more deflected counts."""
         axes: dict[Axis, float] = dict.fromkeys(self._axes.values(), 0.0)
         for code, value in self._values.items():
             axis = self._axes[code]

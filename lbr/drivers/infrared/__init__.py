@@ -58,7 +58,7 @@ class InfraredSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         if self.protocols and set(self.protocols) <= set(SONY_BITS):
             bits = reduce(or_, (SONY_BITS[number] for number in self.protocols))
             if wrong := [f"{number:#x} (as {number & bits:#x})" for number in numbers if number & ~bits]:
-                text = "no code of a Sony remote comes like that, its device is in bits 16 to 23, its command in bits 0 to 6"
+                text = "no code of a Sony remote comes like that: its device is in bits 16 to 23, its command in 0 to 6"
                 raise ValueError(f"codes: {', '.join(wrong)}: {text}; `ir-keytable -t` shows them")
 
     @property

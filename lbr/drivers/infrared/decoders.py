@@ -1,4 +1,4 @@
-"""The protocols that the kernel decodes for a receiver, from /sys/class/rc/rcN/protocols: the enabled ones in brackets."""
+"""The protocols that the kernel decodes for a receiver, from /sys/class/rc/rcN/protocols: enabled ones in brackets."""
 
 import re
 from collections.abc import Iterable
@@ -35,11 +35,12 @@ class Decoders(Struct, frozen=True, kw_only=True):
             if self.enabled
             else "decodes nothing"
         )
-        return f"{trouble}: sudo ir-keytable -s {self.receiver} -p {','.join(sorted({*self.enabled, *wanted}) or ['sony'])}"
+        names = ",".join(sorted({*self.enabled, *wanted}) or ["sony"])
+        return f"{trouble}: sudo ir-keytable -s {self.receiver} -p {names}"
 
 
 def of(node: str) -> Decoders | None:
-    """Return the decoders of the receiver behind /dev/lircN or an input device; None if the kernel does not list them."""
+    """Return the decoders of the receiver behind /dev/lircN or an input device; None if the kernel lists none."""
     name = Path(node).resolve().name
     for place in (SYS / "lirc" / name / "device", SYS / "input" / name / "device" / "device"):
         try:

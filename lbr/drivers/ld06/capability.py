@@ -81,7 +81,7 @@ class Ld06(Capability[Ld06Settings]):
         self._scans = self._bad_reported = 0
 
     def _tell_state(self) -> None:
-        """Publish readiness, or at the first opening what is missing; later openings keep the error until a scan comes."""
+        """Publish readiness, or at the first opening what is missing; later ones keep the error until a scan comes."""
         if self.answers():
             self.ctx.ready()
         elif not self._waited:
@@ -92,7 +92,8 @@ class Ld06(Capability[Ld06Settings]):
         bad = self._parser.bad_bytes
         if self._scans and bad > self._bad_reported and now - self._reported_at > REPORT_PERIOD_S:
             self._bad_reported, self._reported_at = bad, now
-            text = f"{bad} bytes from the lidar were no packets, {self._turn.broken if self._turn else 0} scans were not whole"
+            broken = self._turn.broken if self._turn else 0
+            text = f"{bad} bytes from the lidar were no packets, {broken} scans were not whole"
             self.ctx.event("bad_bytes", text, level="warning", data={"bad": bad, "scans": self._scans})
 
     def _silence(self, now: float) -> str:

@@ -1,7 +1,7 @@
 """The MPU-9150 as a capability: one reading at each tick, an invalid sample if nothing was measured.
 
-While it lies still the ticks are fewer, and some readings are one sample. A reading of a motion is published at once and
-restores the full rate.
+While it lies still the ticks are fewer, and some readings are one sample. A reading of a motion is published at once
+and restores the full rate.
 """
 
 from lbr.capability.base import Capability

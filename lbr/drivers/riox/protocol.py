@@ -89,7 +89,7 @@ def to_sample(motion: Answer, orientation: Quaternion | None, time_s: float, set
 
 
 def to_orientation(answer: Answer, divisor: float) -> Quaternion | None:
-    """Return an answer to `QO` at length 1; None if its length is too far from `divisor`, so that it is no orientation."""
+    """Return an answer to `QO` at length 1; None if its length is so far from `divisor` that it is no orientation."""
     w, x, y, z = answer.counts
     length = hypot(w, x, y, z)
     if not abs(length / divisor - 1.0) <= LENGTH_TOLERANCE:

@@ -150,7 +150,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         self.believe(before)
 
     def believe(self, before: ServoGate) -> None:
-        """Extend the life of an admitted setpoint if it repeats `before` for servos at rest; otherwise end their rest."""
+        """Extend the life of an admitted setpoint if it repeats `before` for servos at rest; else end their rest."""
         session, gate, valid_s = self._session, self._gate, self.ctx.settings.setpoint_valid_s
         if gate is before or session is None:
             return

@@ -112,7 +112,7 @@ def tick(state: ServoGate, now: float, valid_s: float, absence: str = "", estop:
 
 
 def strength(state: ServoGate, now: float, hold_s: float, release_s: float) -> float:
-    """Return the share of torque that servos keep: 1 with a sender and for `hold_s` after its loss, then falling to 0."""
+    """Return the share of torque that servos keep: 1 with a sender and for `hold_s` after its loss, then down to 0."""
     if state.lost_since is None:
         return 1.0
     fading_s = now - state.lost_since - hold_s

@@ -153,7 +153,7 @@ class Poller(Generic[B]):
             self._singly_s = min(2.0 * self._singly_s, SINGLY_MOST_S)
             if not self._singly_reported:
                 self._singly_reported = True
-                text = "reading all servos at once gets no answers; they are read one by one, and that is tried now and then"
+                text = "reading all servos at once gets no answers; they are read one by one, and now and then at once"
                 self._tell("sync_read", text, "warning")
 
     def _read_motion(self, bus: B, servo: _Servo) -> None:

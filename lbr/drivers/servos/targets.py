@@ -320,7 +320,7 @@ def _switching(servo: int, speed: int, limit: int) -> "Callable[[ServoBus], int 
 
 
 def _confirms(target: TargetState, seen: Seen, *, released: bool) -> bool:
-    """Return whether a reading since the last order confirms that it holds its goal, or, if `released`, has no torque."""
+    """Return whether a reading since the last order confirms that it holds its goal, or has no torque if `released`."""
     slow = seen.slow
     if slow is None or slow.at <= max(target.settled, target.aimed) or seen.reason or target.switching is not None:
         return False

@@ -32,7 +32,7 @@ class RangeBoard:
         self._ask(now)
 
     def poll(self) -> list[Frame]:
-        """Return the frames received since the last call; raise DeviceError if the board has been silent for too long."""
+        """Return the frames received since the last call; raise DeviceError if the board was silent for too long."""
         now = self._clock()
         if now - self._polled > HELD_UP_S:
             self._catch_up(now)

@@ -55,7 +55,7 @@ class _Line(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class LineParser:
-    """Turns bytes, in pieces of any size, into frames. `lines` holds at most one; the rest of a forgotten one is bad."""
+    """Turns bytes, in any pieces, into frames. `lines` holds one at most; the rest of a forgotten one is bad."""
 
     def __init__(self) -> None:
         self.lines = LineSplitter(rb"\n", MAX_LINE_BYTES)
@@ -99,7 +99,7 @@ def near(measured: Ranges, before: Ranges, still_cm: int) -> bool:
 
 
 def ages_s(frame: Frame) -> dict[str, float]:
-    """Return the age of each reading: the sensors take turns, each for the time of its echo, and the line follows them."""
+    """Return the age of each reading: sensors take turns, each for the time of its echo, and the line follows them."""
     turns = {name: getattr(frame, name) for name in TURNS} | frame.others
     ages, age_s = {}, LINE_S
     for name, cm in reversed(turns.items()):

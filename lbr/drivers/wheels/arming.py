@@ -53,7 +53,7 @@ class Inhibit:
 
 @dataclass(frozen=True, slots=True)
 class Arming(SetpointGate[Setpoint]):
-    """The state of `count` motors. Only a zero born after `since` arms; `trips` counts the motions ended by a mishap."""
+    """The state of `count` motors. Only a zero born after `since` arms; `trips` counts motions ended by a mishap."""
 
     count: int = 2
     reason: str = START

@@ -299,7 +299,7 @@ class Wheels(Capability[S], ABC):
             self.ctx.event("fault", "the controller reports no fault any more")
 
     def _tell_what_lacks(self) -> None:
-        """Publish whether it is ready: not with a fault, nor before its guard listens, since no wheel turns until then."""
+        """Publish whether it is ready: not with a fault, nor before its guard listens, as no wheel turns until then."""
         lacks = None
         if self._faults:
             lacks = Reason("latched", _fault_sentence(self._faults))

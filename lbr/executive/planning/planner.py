@@ -191,8 +191,8 @@ def _check_tables(rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[Proble
             yield from rows.tables.problems(row)
         elif name := readers.get(row, ""):
             text = (
-                f"'{kinds[name].name}' reads the table '{row.TABLE}', which is not there, or has not the triggers that keep"
-                f" its changes: `lbr db table {kinds[name].name}` prints the SQL that makes both"
+                f"'{kinds[name].name}' reads the table '{row.TABLE}', which is not there, or has not the triggers that "
+                f"keep its changes: `lbr db table {kinds[name].name}` prints the SQL that makes both"
             )
             yield Problem("capability", f"{rows.robot.name}/{name}", "kind", text)
 

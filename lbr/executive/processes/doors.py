@@ -4,8 +4,8 @@
     anybody at the socket ─────► local door ─┘
 
 The rights of a router are fixed when it opens, and to reopen the core would cut off everything that moves. So an edit
-that gives processes other rights opens an annex: a router with these rights, hung on the core. It is closed when none of
-the processes runs any more. `lbr/executive/planning/rights.py` has the rights of each.
+that gives processes other rights opens an annex: a router with these rights, hung on the core. It is closed when none
+of the processes runs any more. `lbr/executive/planning/rights.py` has the rights of each.
 
 A thread of its own opens and closes annexes, because the bus library may take its time. Only the processes that are to
 come in there wait for it. When a link between two routers has broken, the thread asks whether questions still pass,

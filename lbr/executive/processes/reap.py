@@ -335,9 +335,8 @@ class Executive:
             return False
         with suppress(OSError):
             signal.pidfd_send_signal(self._fd, signal.SIGKILL)
-        say(
-            f"reaper: the main loop of process {self._pid}, which runs the robot, stood still for {self._hangs_s:g} s: killed\n"
-        )
+        still = f"stood still for {self._hangs_s:g} s: killed"
+        say(f"reaper: the main loop of process {self._pid}, which runs the robot, {still}\n")
         return True
 
 

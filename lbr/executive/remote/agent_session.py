@@ -255,7 +255,8 @@ class AgentSession:
     def _happened(self, kind: str, subject: str, text: str, level: str, code: str) -> None:
         self._say(f"{subject}: {text}")
         told = text[: host_protocol.LONGEST_TEXT]
-        self._events.append(Event(kind=kind, subject=subject, text=told, level=level, code=code))  # type: ignore[arg-type]
+        event = Event(kind=kind, subject=subject, text=told, level=level, code=code)  # type: ignore[arg-type]
+        self._events.append(event)
 
     def _learnt(self, name: str, rows: dict[str, Raw]) -> None:
         """Keep rows that were learnt here: a share with the same rows restarts nothing."""

@@ -91,7 +91,7 @@ class LettingIn:
                 else ()
             ),
             f"{code.digits[:3]} {code.digits[3:]}   at {_where(place)}",
-            f"The code is good for {GOOD_FOR_S / 60:g} minutes and one device, which gets a token with the role '{role}'.",
+            f"The code is good for {GOOD_FOR_S / 60:g} minutes and one device. Its token has the role '{role}'.",
             f"{WRONG_TRIES} wrong tries end it, as does another code.",
             *_honest(is_open=is_open, tls=tls, own=tls and credentials.is_own_shown(), fingerprint=print_of),
             *([drawn] if drawn else ()),  # the last line, so that a terminal of 24 lines shows it whole
@@ -106,12 +106,9 @@ class LettingIn:
         else:
             text = f"'{name}' is open already: it listens at {self._host(name)}"
         place = self._settled(name, is_open=True)
-        cost = (
-            "Every machine that reaches this one can ask it, over Wi-Fi and cable. 'phone' lets a phone in; 'close' takes it "
-            "back."
-        )
+        cost = "Every machine that reaches this one can ask it, over Wi-Fi and cable. 'phone' lets a phone in"
         told = str(place.get("reason", "")) if place is not None else f"'{name}' starts; 'qr' shows the address"
-        return ConsoleResult(code=0, text=f"{text}. {cost}\n{told}", data=_place_data(place))
+        return ConsoleResult(code=0, text=f"{text}. {cost}; 'close' takes it back.\n{told}", data=_place_data(place))
 
     def close(self, requester: str) -> ConsoleResult:
         """Make the server listen to this machine only, unless it does."""
@@ -171,7 +168,8 @@ def _honest(*, is_open: bool, tls: bool, own: bool, fingerprint: str) -> Iterato
         yield "Only this machine reaches that address: 'phone' opens it to your network and shows a code to scan."
     if tls:
         if own:
-            yield "A browser that does not know your certificate (credentials/web.crt) warns. Its SHA-256 fingerprint is"
+            known = "A browser that does not know your certificate (credentials/web.crt) warns."
+            yield f"{known} Its SHA-256 fingerprint is"
         else:
             yield (
                 "The phone's browser warns once, because the robot made its certificate itself. "

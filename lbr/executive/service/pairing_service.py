@@ -124,6 +124,7 @@ class PairingService(Service):
         request.reply(reply, EXECUTIVE)
 
     def _tell(self, name: str, address: str, tried: Try, now: float) -> None:
+        wrong = f"{address} tried a wrong code ({tried.from_there} from there since the start)"
         if tried.tries_left is None:
             self._unheard += 1
             if now < self._tell_at:
@@ -133,9 +134,9 @@ class PairingService(Service):
             text = f"{tries} while none was good, the last by {address} ({tried.from_there} from there since the start)"
             self._unheard = 0
         elif tried.tries_left:
-            text = f"{address} tried a wrong code ({tried.from_there} from there since the start); {tried.tries_left} more, and it ends"
+            text = f"{wrong}; {tried.tries_left} more, and it ends"
         else:
-            text = f"{address} tried a wrong code ({tried.from_there} from there since the start): that was one too many, and it has ended"
+            text = f"{wrong}: that was one too many, and it has ended"
         self._happened("pair_refused", name, text, "warning")
 
 

@@ -64,7 +64,8 @@ KIND = Kind(
         Word(
             "/r/{power}/{angle_deg}/{range_cm}/{sensor}/{interval_s}",
             "command",
-            "Drive until a sensor, such as forward, back, left or right, reads the range, 0 to 769 cm, or the time is over, 0 to 3600 s; 0 sets no bound",
+            "Drive until a sensor, such as forward, back, left or right, reads the range, 0 to 769 cm, "
+            "or the time is over, 0 to 3600 s; 0 sets no bound",
         ),
         Word(
             "/go/{distance_cm}/{power}",
@@ -91,7 +92,8 @@ KIND = Kind(
         Word(
             "/twist/{vx_mps}/{vy_mps}/{wz_rps}",
             "twist",
-            "Move by a twist: m/s ahead, m/s to the left (0 unless the base can), rad/s anticlockwise, such as /twist/0.3/0/0.5",
+            "Move by a twist: m/s ahead, m/s to the left (0 unless the base can), rad/s anticlockwise, "
+            "such as /twist/0.3/0/0.5",
         ),
     ),
 )

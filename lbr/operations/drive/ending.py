@@ -82,7 +82,7 @@ def _what_is_over(state: State, trouble: Reason | None, now: float) -> tuple[End
 
 
 def _worn_out(state: State, lease: Lease[ActiveMotion], now: float) -> Reason | None:
-    """Return why a motion without an end of its own is over: it ran unattended, or a rule has stopped it for too long."""
+    """Return why a motion without an end of its own is over: it ran unattended, or a rule stopped it for too long."""
     settings = state.settings
     if not now - lease.changed < settings.max_run_s:
         return Reason("limit", f"it ran for {settings.max_run_s:g} s unattended")

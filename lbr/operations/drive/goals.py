@@ -84,7 +84,7 @@ def _to_range(command: DriveCommand, name: str, views: Mapping[str, View], setti
 
 
 def watch(goal: Goal, ranges: Ranges, now: float, ahead_mps: float, sensors: Sensors = USUAL) -> Goal:
-    """Return the goal with its sensor's newest reading; readings without a value are ignored until they last too long."""
+    """Return the goal with its sensor's newest reading; those without a value are ignored until they last too long."""
     if not ranges.tells_of(goal.sensor):
         return goal
     value_m, _ = measured_m(ranges, goal.sensor, sensors)

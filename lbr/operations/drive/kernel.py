@@ -163,7 +163,8 @@ def _scan(state: State, event: ScanSeen, now: float) -> State:
 
 
 def _sees(state: State, now: float) -> dict[str, float | None]:
-    """Return the distances seen in the way by sensors with a view of their own; without an obstacle they are left out."""
+    """Return the distances in the way that sensors with a view of their own see; without an obstacle they are left
+    out."""
     seen, watched = state.seen(now), state.sensors.watched
     believed = {name: rules.believed(seen.get(name), rule, now)[0] for name, rule in watched.items()}
     return {

@@ -32,7 +32,7 @@ Seen = tuple[float, str]
 
 
 class Ray(NamedTuple):
-    """The part of a ray in which an obstacle is in the way; its distance from the outline is start + slope * distance."""
+    """The part of a ray in which an obstacle is in the way, at start + slope * distance from the outline."""
 
     number: int
     enters_m: float

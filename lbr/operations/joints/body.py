@@ -47,7 +47,8 @@ class Body(Struct, frozen=True):
         joint = self.joints[name]
         if joint.lower_rad <= joint_rad <= joint.upper_rad:
             return None
-        limits = f"{joint.lower_rad:g} to {joint.upper_rad:g} rad, {degrees(joint.lower_rad):.0f} to {degrees(joint.upper_rad):.0f} degrees"
+        lower_deg, upper_deg = degrees(joint.lower_rad), degrees(joint.upper_rad)
+        limits = f"{joint.lower_rad:g} to {joint.upper_rad:g} rad, {lower_deg:.0f} to {upper_deg:.0f} degrees"
         outside = f"{name} {joint_rad:g} rad ({degrees(joint_rad):.0f} degrees) is outside its limits ({limits})"
         return Reason("limit", outside)
 

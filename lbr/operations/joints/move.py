@@ -1,4 +1,4 @@
-"""The current motion: a way of all its joints, ways of single joints beside it, or a motion played by the controller."""
+"""The current motion: a way of all its joints, ways of single joints beside it, or one played by the controller."""
 
 from collections.abc import Iterator, Mapping
 from math import isnan, nan

@@ -30,7 +30,7 @@ def begin(state: State, command: JointsCommand, goal: str, now: float, idle_s: f
 
 
 def instead(move: Move, other: Move) -> Move:
-    """Return the motion that replaces another under the same lease; the limit for the servos to follow is not extended."""
+    """Return the motion that replaces another under the same lease; the servos get no more time to follow."""
     return replace(other, ordered_at=move.ordered_at, followed=move.followed)
 
 

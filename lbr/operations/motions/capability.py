@@ -52,7 +52,7 @@ PLAYING_HZ, IDLE_HZ = 50.0, 10.0
 
 
 class Motions(LeasingCapability[MotionsSettings, State]):
-    """Plays the motions of the rows through the joints, for the holder of their lease, and captures poses made by hand."""
+    """Plays the motions of the rows through the joints, for their lease's holder, and captures poses made by hand."""
 
     ends, tick = "motions are shutting down", Tick()
     feeds = ("joints", "attitude")

@@ -35,7 +35,8 @@ def refusal(state: Fall, motion: str) -> Reason | None:
     """Return why a motion cannot begin while the robot lies, or None."""
     if not state.lies or motion.startswith(GETS_UP):
         return None
-    text = f"the robot lies {ON[state.lies]}, and '{motion}' needs it to stand; motions that begin lying are named {GETS_UP}…"
+    lying = f"motions that begin lying are named {GETS_UP}…"
+    text = f"the robot lies {ON[state.lies]}, and '{motion}' needs it to stand; {lying}"
     return Reason("fallen", text)
 
 

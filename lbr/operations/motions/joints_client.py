@@ -71,7 +71,7 @@ class JointsClient:
             self._lease.send(command)
 
     def halt(self, why: str, *, lost: bool = False, by: str = "", at_once: bool = False) -> None:
-        """Stop the joints; `lost`: their mover is gone; `by`: the sender of the stop; `at_once`: hold without a step."""
+        """Stop the joints; `lost`: their mover is gone; `by`: who sent the stop; `at_once`: hold without a step."""
         if self._lease is not None:
             self._lease.release(why, lost=lost, by=by, at_once=at_once)
         elif (by or at_once) and self._feet_s is not None:

@@ -82,7 +82,7 @@ class Parked:
 
 @dataclass(frozen=True, slots=True)
 class Answered:
-    """The answer of logind to the request to power off; `pretended`: it was not asked, because the supply is emulated."""
+    """The answer of logind to the request to power off; `pretended`: it was not asked, as the supply is emulated."""
 
     trouble: str = ""
     pretended: bool = False

@@ -210,7 +210,7 @@ def _command(row: Mapping[str, object], target: Here, folder: str) -> Iterator[W
     if word in _KNOWN and any(one["name"] == _KNOWN[word] for one in target.rows("external_command")):
         yield no_place("extcmd", word, "target", f"'{_KNOWN[word]}' is here already, as a program of lbr")
         return
-    path = Path(program) if os.path.isabs(program) else Path(os.path.abspath(Path(folder) / program))  # noqa: PTH100, PTH117
+    path = Path(program) if Path(program).is_absolute() else Path(os.path.abspath(Path(folder) / program))  # noqa: PTH100
     if not program or "\0" in program or not (path.is_file() and os.access(path, os.X_OK)):
         text = f"'{short(program)}' is no program that is there: a row of external_command names one by its whole path"
         yield no_place("extcmd", word, "target", text)

@@ -66,7 +66,7 @@ def of_rbm(file: RbmFile, rows: RobotRows) -> tuple[Motion, list[Note]]:
 
 
 def write(motion: Motion, rows: RobotRows) -> tuple[bytes, list[Note]]:
-    """Return a motion as a file of the maker's, with notes on its losses; raise InputError for a joint without a motor."""
+    """Return a motion as a file of the maker's, with notes on losses; raise InputError for a joint without a motor."""
     nominal = {motor.id: motor for motor in rows.of(Motor) if motor.layer == FACTORY}
     joints = {row.name: row for row in rows.of(Joint) if row.device_id in nominal}
     used = {name for frame in motion.frames for name in frame.positions}

@@ -133,8 +133,8 @@ def _button(row: Mapping[str, object], target: Here) -> Iterator[Want | Note]:
         motion = name_from(name, "motion")
     else:
         text = (
-            f"there is no motion '{short(name)}' here: enter a row of motion with slot {short(number)} and the time that "
-            "the main board takes for it, then take this again"
+            f"there is no motion '{short(name)}' here: enter a row of motion with slot {short(number)} and the time "
+            "that the main board takes for it, then take this again"
         )
         yield no_place("motion", short(number), "name", text)
         return

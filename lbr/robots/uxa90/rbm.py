@@ -174,7 +174,8 @@ class _Fields:
         if digits is None or not least <= int(digits[1]) <= most:
             shown_text = "".join(c if c.isascii() and c.isprintable() else "?" for c in text[:20])
             raise InputError(
-                f"field {self._number} ({self.where}, {field_name}): '{shown_text}' is not a whole number from {least} to {most}"
+                f"field {self._number} ({self.where}, {field_name}): "
+                f"'{shown_text}' is not a whole number from {least} to {most}"
             )
         return int(digits[1])
 

@@ -29,9 +29,8 @@ def _lies(pose: HumanoidPose | None) -> list[str]:
     if pose is None:
         return []
     lean = f"roll {degrees(pose.roll_rad):+.0f}, pitch {degrees(pose.pitch_rad):+.0f} degrees"
-    return [
-        f"{pose.posture}, trunk {pose.z_m * 100:.0f} cm high, {lean}; on the floor: {', '.join(pose.on_floor) or 'nothing'}"
-    ]
+    on_floor = ", ".join(pose.on_floor) or "nothing"
+    return [f"{pose.posture}, trunk {pose.z_m * 100:.0f} cm high, {lean}; on the floor: {on_floor}"]
 
 
 def _row(name: str, one: JointState) -> str:

@@ -15,7 +15,12 @@ from lbr.simulation.trials.trial import BY, WORLD, Setup, TableTrial, rows_of
 
 AS_THEY_ARE = frozenset({"joints", "motions", "behaviour"})
 """Kinds that run here unchanged; instruments publish in place of the others, or nothing does."""
-LEANS: dict[str, tuple[float, float]] = {"face": (0.0, 1.1), "back": (0.0, -1.1), "right side": (1.1, 0.0), "left side": (-1.1, 0.0)}  # fmt: skip
+LEANS: dict[str, tuple[float, float]] = {
+    "face": (0.0, 1.1),
+    "back": (0.0, -1.1),
+    "right side": (1.1, 0.0),
+    "left side": (-1.1, 0.0),
+}
 """Roll and pitch from which it falls, by the side on which it then lies; too far to recover."""
 LEAN_RAD, POSE_RAD, DROP_M = 0.1, 0.05, 0.01
 MOVES_RPS = 0.3

@@ -176,8 +176,8 @@ def make(device: Device, around: Surroundings) -> Twin:
     declared = twins.find(device.type)
     if declared is None:
         raise InputError(
-            f"device '{device.name}': there is no twin for type '{device.type}'; there are {', '.join(twins.names())}. A "
-            "package brings one by the twins of its component, once it is installed (pip install -e .)"
+            f"device '{device.name}': there is no twin for type '{device.type}'; there are {', '.join(twins.names())}. "
+            "A package brings one by the twins of its component, once it is installed (pip install -e .)"
         )
     twin: Twin = declared.load()(device, around)
     return twin

@@ -231,8 +231,8 @@ def setup_of(
     walks = HUMANOID in by_kind and {"joints", "motions"} <= by_kind.keys()
     if not walks and (WORLD not in by_kind or "drive" not in by_kind):
         raise InputError(
-            f"{rows.robot.name} cannot be tried: trials are of robots on wheels, with a row of kind 'world' and one of 'drive', "
-            f"and of humanoids, with rows of the kinds '{HUMANOID}', 'joints' and 'motions'",
+            f"{rows.robot.name} cannot be tried: trials are of robots on wheels, with a row of kind 'world' and one of "
+            f"'drive', and of humanoids, with rows of the kinds '{HUMANOID}', 'joints' and 'motions'",
             "not_possible",
         )
     if RUNS not in by_kind:

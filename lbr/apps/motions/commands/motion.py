@@ -154,7 +154,7 @@ def stable(names: tuple[str, ...], robot: str | None, dry_run: bool, database: P
     in the controller has no frames here. For it a person sets, in its last row of motion_step, whether the robot may
     go straight to its end.
     """
-    from lbr.apps.motions.commands import standing as motion_standing  # noqa: PLC0415 - the engine is for those who ask for it
+    from lbr.apps.motions.commands import standing as motion_standing  # noqa: PLC0415
 
     results = []
     with opened(database) as db:

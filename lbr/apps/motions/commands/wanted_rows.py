@@ -204,7 +204,8 @@ def _clamped(asked: Motion, motion: Motion) -> Iterator[Note]:
                 further = (angle, now) if abs(angle - now) >= abs(worst - limit) else (worst, limit)
                 clamped[name] = (count + 1, *further)
     for name, (count, angle, limit) in clamped.items():
-        text = f"{count} of {len(asked.frames)} angles brought within the joint's limits, as {angle:.3f} to {limit:.3f} rad"
+        such = f"as {angle:.3f} to {limit:.3f} rad"
+        text = f"{count} of {len(asked.frames)} angles brought within the joint's limits, {such}"
         yield Note("clamped", "motion_step", motion.name, f"positions.{name}", text)
 
 

@@ -35,7 +35,7 @@ class Followed:
 
 
 def follow(docked_back_m: float) -> Script[Followed]:
-    """Drive back between the beams until something stops it; `docked_back_m` is the rear sensor's reading on the dock."""
+    """Drive back between the beams until something stops it; on the dock the rear sensor reads `docked_back_m`."""
     view = yield STAND
     course, began = _Course(view, docked_back_m), view.time_s
     while (end := course.see(view)) is None and view.time_s - began < LONGEST_S:

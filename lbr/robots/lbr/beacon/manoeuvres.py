@@ -1,7 +1,7 @@
 """The manoeuvres, step by step, each with its endings. Pure.
 
     `align`: turns its back to the wall of the dock, at a distance at which the beams are wide. Ends: done.
-    `search`: looks for a beam, goes aside by a step and looks again, to one side, then the other. Ends: done, not_found.
+    `search`: looks for a beam, goes aside by a step, looks again, to one side, then the other. Ends: done, not_found.
     `follow`: backs up between the beams. Ends: done (something is touched), lost, timeout.
     `withdraw`: leaves a near dock, towards the middle of its beams. Ends: done.
     `roam`: looks all around, and goes where there is most room, out of a corner or to search elsewhere. Ends: done.

@@ -49,7 +49,7 @@ class Client:
         return cls(names.peer_name(request.client.address), request.client.name, request.headers.get("user-agent", ""))
 
     def is_alive_by(self, asker: "Client") -> bool:
-        """Return whether a request is a sign of life of this client: its own token, or no token and the same program."""
+        """Return whether a request is a sign of life of this client: its token, or no token and the same program."""
         if asker.address != self.address:
             return False
         return asker.token == self.token if asker.token else asker.agent == self.agent

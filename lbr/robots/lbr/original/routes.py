@@ -35,7 +35,7 @@ ALLOWED = {
     "Access-Control-Allow-Headers": "X-Requested-With, Content-type, User, Authorization",
 }
 ASK_FOR_TOKEN = {"WWW-Authenticate": 'TOK realm="lbr"'}
-NO_TOKEN = "show a token: 'User: NAME' and 'Authorization: TOK:TOKEN'; 'lbr token add NAME --for web' makes one"  # noqa: S105 - a sentence
+NO_TOKEN = "show a token: 'User: NAME' and 'Authorization: TOK:TOKEN'; 'lbr token add NAME --for web' makes one"  # noqa: S105
 ACT_S = 4.0
 """The time limit of an action: a motion may need a second request, and speech follows it."""
 ASK_S, CATCH_UP_S = 1.0, 1.0

@@ -23,7 +23,7 @@ Slot = Annotated[int, Meta(ge=1, le=42)]
 
 
 class ImuSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The rate of questions to the main board's inertial unit, and the meaning of its six bytes, unverified on a robot."""
+    """The rate of questions to the main board's inertial unit, and what its six bytes mean, not tried on a robot."""
 
     asked: Annotated[
         Literal["never", "simulated", "always"],

@@ -1,4 +1,4 @@
-"""The line of a UXA-90 as a capability: the main board's part of a driver for servos that do not report their torque."""
+"""The line of a UXA-90 as a capability: the main board's part of a driver for servos that report no torque."""
 
 from math import inf
 

@@ -62,7 +62,9 @@ class EmergencyStop:
             self._rested = False
             return "the main board is asked to pass servo packets on"
         if self._ctx.settings.trust == "never" or not self._ctx.settings.sweep_hz:
-            return "the stop was sent to the servos, and nothing confirms it: the row's settings trust or sweep_hz forbid that"
+            return (
+                "the stop was sent to the servos, and nothing confirms it: the settings trust or sweep_hz forbid that"
+            )
         moving = [] if self._rested else session.targets.unrested(self._since)
         self._rested = not moving
         return self._named(moving, "not confirmed by") if moving else ""

@@ -1,4 +1,4 @@
-"""The main board's inertial unit: three accelerations, read between servos. Settings define the meaning of its bytes."""
+"""The main board's inertial unit: three accelerations, read between servos. Settings say what its bytes mean."""
 
 from math import inf
 

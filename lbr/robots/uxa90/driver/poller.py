@@ -80,7 +80,7 @@ class Poller:
 
     @property
     def judged_all(self) -> bool:
-        """Return whether every servo is known: its position trusted (or read, without trust), or its silence certain."""
+        """Return whether every servo is known: its position trusted (read, without trust), or its silence certain."""
         untrusted = self._policy == "never"
         return all(seen.trusted or seen.reason or (untrusted and seen.raw is not None) for seen in self.seen.values())
 

@@ -76,7 +76,7 @@ class Jobs:
             raise Refused(429, f"{MOST_WAITING} jobs wait already; cancel some (DELETE /jobs/ID) or ask later")
 
     def add(self, turns: tuple[Turn, ...], now: float) -> str:
-        """Add moves that begin after their delays, and return the job's id; those without a delay have begun already."""
+        """Add moves that begin after their delays, and return the job's id; those without one have begun already."""
         self._count += 1
         waiting = sorted((at for at, turn in enumerate(turns) if turn.delay_s > 0.0), key=lambda at: turns[at].delay_s)
         job = _Job(id=str(self._count), begun_s=now, turns=turns, waiting=waiting)

@@ -3,7 +3,10 @@
 import re
 from math import copysign, floor, inf, isfinite, isinf, isnan, nan
 
-WHITESPACE = "\t\n\v\f\r \u00a0\u1680\u2000\u2001\u2002\u2003\u2004\u2005\u2006\u2007\u2008\u2009\u200a\u2028\u2029\u202f\u205f\u3000\ufeff"
+WHITESPACE = (
+    "\t\n\v\f\r \u00a0\u1680"
+    "\u2000\u2001\u2002\u2003\u2004\u2005\u2006\u2007\u2008\u2009\u200a\u2028\u2029\u202f\u205f\u3000\ufeff"
+)
 LONGEST = 400
 """The most characters of a number; longer ones are mistakes, and take ever longer to read."""
 LARGEST_BITS = 1023

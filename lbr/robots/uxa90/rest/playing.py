@@ -16,7 +16,7 @@ OLDEST_S = 1.5
 
 
 class Player:
-    """A client of `motions`; everything here runs in the capability's loop. It calls `lost` when a motion ends unasked."""
+    """A client of `motions`, which runs in the capability's loop. It calls `lost` when a motion ends unasked."""
 
     def __init__(self, robot: Robot, lost: Callable[[str], None]) -> None:
         self._robot = robot

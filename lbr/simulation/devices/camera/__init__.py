@@ -7,7 +7,7 @@ from lbr.simulation.faults import Faults, Probability
 
 
 class CameraFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of a camera. `stalled`: no picture. `slow`: two a second. `black`: its cap is on. `garbage`: not a JPEG."""
+    """Faults of a camera. `stalled`: no picture. `slow`: two a second. `black`: with its cap. `garbage`: not a JPEG."""
 
     frozen: bool = False
     stalled: bool = False

@@ -26,7 +26,7 @@ OnInstruction = Callable[[Instruction, float], None]
 
 
 class DynamixelBus:
-    """Servos and perhaps a dongle from power-up on; `on_instruction` is called with each sound packet and the time of its end."""
+    """Servos and perhaps a dongle from power-up on; `on_instruction` gets each sound packet and the time of its end."""
 
     def __init__(
         self,

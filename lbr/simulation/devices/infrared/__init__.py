@@ -17,7 +17,7 @@ Scancode = (
 
 
 class InfraredFaults(Faults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of an infrared receiver. `stray`: another remote control's code in between. `stuck`: always the left beam."""
+    """Faults of an infrared receiver. `stray`: another remote's code in between. `stuck`: always the left beam."""
 
     silent: bool = False
     garbage: Probability = 0.0

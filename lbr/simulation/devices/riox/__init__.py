@@ -11,7 +11,7 @@ Scale = Annotated[float, Meta(gt=0.0, le=1e6)]
 
 
 class RioxFaults(LineFaults, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Faults of a RIOX: those of a line, and more. `pieces`: pauses within answers. `jump`: a turn rate off by 4 rad/s."""
+    """Faults of a RIOX: those of a line, and more. `pieces`: pauses in answers. `jump`: a turn rate off by 4 rad/s."""
 
     half: Probability = 0.0
     pieces: bool = False
