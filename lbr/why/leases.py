@@ -65,14 +65,7 @@ def refusal(now: Snapshot, part: Part) -> Iterator[Link]:
         if event.code == "estop" and now.status is not None and not now.status.estop.engaged:
             return
         if event.kind == "refused" and event.about and event.code not in RENEWALS:
-            yield Link(
-                "refused",
-                part.name,
-                "past",
-                f"'{part.name}' refused what was asked last, by {event.text}",
-                event.code,
-                since_s=ago_s,
-                evidence="event refused",
-                do="correct that, and try again",
-            )
+            text, do = f"'{part.name}' refused what was asked last, by {event.text}", "correct that, and try again"
+            evidence = "event refused"
+            yield Link("refused", part.name, "past", text, event.code, since_s=ago_s, evidence=evidence, do=do)
             return

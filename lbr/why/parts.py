@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from lbr.messages.system import CapabilityStatus
-from lbr.messages.why import Link
+from lbr.messages.why import Link, LinkName, LinkState
 from lbr.why import said
 from lbr.why.snapshot import Part, Snapshot
 
@@ -19,49 +19,28 @@ REFUSED = ("rights", "busy")
 
 def row(now: Snapshot, part: Part) -> Link:
     """Return whether its row and the launch profile let it run."""
+    evidence = f"row capability.{part.name}"
     if not part.enabled:
-        return Link(
-            "row",
-            part.name,
-            "held",
-            f"'{part.name}' is switched off by its row: enabled is 0",
-            "off",
-            since_s=now.since_s(part.name, ("stopped",)),
-            evidence=f"row capability.{part.name}",
-            do=update("capability", f"name = '{part.name}'", now.facts.robot),
-        )
+        text, since_s = f"'{part.name}' is switched off by its row: enabled is 0", now.since_s(part.name, ("stopped",))
+        do = update("capability", f"name = '{part.name}'", now.facts.robot)
+        return Link("row", part.name, "held", text, "off", since_s=since_s, evidence=evidence, do=do)
     if not part.runs:
-        simulated = part.family == "simulation"
-        text = f"'{part.name}' is left out by the launch profile"
-        return Link(
-            "row",
-            part.name,
-            "ok" if simulated else "held",
-            f"{text}, which simulates nothing" if simulated else text,
-            "" if simulated else "off",
-            evidence=f"profile {now.facts.profile}".strip(),
-            do=""
-            if simulated
-            else "take it out of `without`, or into `only`, of the launch profile, and start the robot again",
-        )
-    return Link("row", part.name, "ok", f"enabled, of kind {part.kind}", evidence=f"row capability.{part.name}")
+        text, evidence = f"'{part.name}' is left out by the launch profile", f"profile {now.facts.profile}".strip()
+        if part.family == "simulation":
+            return Link("row", part.name, "ok", f"{text}, which simulates nothing", evidence=evidence)
+        do = "take it out of `without`, or into `only`, of the launch profile, and start the robot again"
+        return Link("row", part.name, "held", text, "off", evidence=evidence, do=do)
+    return Link("row", part.name, "ok", f"enabled, of kind {part.kind}", evidence=evidence)
 
 
 def process(now: Snapshot, part: Part) -> Link:
     """Return the state of its process, and its recent ends."""
     unit = now.unit(part.name)
+    if unit is None and now.executive != "up":
+        return Link("process", part.name, "unknown", f"'{part.name}': the state of its process is unknown")
     if unit is None:
-        nothing = "the state of its process is unknown" if now.executive != "up" else "it has no process"
-        held = now.executive == "up"
-        return Link(
-            "process",
-            part.name,
-            "held" if held else "unknown",
-            f"'{part.name}': {nothing}",
-            "unreachable" if held else "",
-            evidence="@status" if held else "",
-            do=f"/restart/{part.name}" if held else "",
-        )
+        text, do = f"'{part.name}': it has no process", f"/restart/{part.name}"
+        return Link("process", part.name, "held", text, "unreachable", evidence="@status", do=do)
     if unit.phase == "degraded" and not part.device:
         return _link(now, part, unit, f"'{part.name}' does not work as it should: {unit.reason}", "degraded")
     if unit.phase in {"ready", "degraded"}:
@@ -80,32 +59,20 @@ def process(now: Snapshot, part: Part) -> Link:
 def _ready(now: Snapshot, part: Part, unit: CapabilityStatus) -> Link:
     up_s = unit.uptime_s or 0.0
     lately = unit.last_end and up_s < RECENT_S
-    text = f"its process is {unit.phase}, pid {unit.pid}"
+    evidence, code = f"@status: {unit.restarts} restarts", unit.end_code or "failed"
     often = sum(one.kind in UNASKED and (now.ago_s(one) or 0.0) <= RECENT_S for one in now.newest(part.name))
     if lately and often >= OFTEN:
-        return Link(
-            "process",
-            part.name,
-            "doubt",
-            f"'{part.name}' ends again and again, {often} times within a minute: {unit.last_end}",
-            unit.end_code or "failed",
-            since_s=unit.uptime_s,
-            evidence=f"@status: {unit.restarts} restarts; events {' or '.join(UNASKED)}",
-            do=f"read {_log(now, unit)}, and see what ends it",
+        text = f"'{part.name}' ends again and again, {often} times within a minute: {unit.last_end}"
+        evidence, do = f"{evidence}; events {' or '.join(UNASKED)}", f"read {_log(now, unit)}, and see what ends it"
+        return Link("process", part.name, "doubt", text, code, since_s=unit.uptime_s, evidence=evidence, do=do)
+    if lately and not _commanded(now, part, up_s):
+        text, do = (
+            f"'{part.name}' was started again, what it did is over: {unit.last_end}",
+            "say again what it shall do",
         )
-    lately = lately and not _commanded(now, part, up_s)
-    if lately:
-        text = f"'{part.name}' was started again, what it did is over: {unit.last_end}"
-    return Link(
-        "process",
-        part.name,
-        "past" if lately else "ok",
-        text,
-        unit.end_code or "failed" if lately else "",
-        since_s=unit.uptime_s,
-        evidence=f"@status: {unit.restarts} restarts",
-        do="say again what it shall do" if lately else "",
-    )
+        return Link("process", part.name, "past", text, code, since_s=unit.uptime_s, evidence=evidence, do=do)
+    text = f"its process is {unit.phase}, pid {unit.pid}"
+    return Link("process", part.name, "ok", text, since_s=unit.uptime_s, evidence=evidence)
 
 
 def _commanded(now: Snapshot, part: Part, within_s: float) -> bool:
@@ -125,17 +92,10 @@ def _link(now: Snapshot, part: Part, unit: CapabilityStatus, text: str, *kinds: 
     """Return that a process holds a part, since the newest event of some kinds."""
     again = unit.phase in {"waiting", "starting", "stopping"}
     code = unit.code or (unit.end_code if unit.last_end else "") or ("not_ready" if again else "failed")
-    log = _log(now, unit)
-    return Link(
-        "process",
-        part.name,
-        "held",
-        text,
-        code,
-        since_s=now.since_s(part.name, kinds),
-        evidence=f"@status: phase {unit.phase}, {unit.restarts} restarts",
-        do=f"wait; if it lasts, read {log}" if again else f"read {log}, mend it, then /restart/{part.name}",
-    )
+    log, since_s = _log(now, unit), now.since_s(part.name, kinds)
+    evidence = f"@status: phase {unit.phase}, {unit.restarts} restarts"
+    do = f"wait; if it lasts, read {log}" if again else f"read {log}, mend it, then /restart/{part.name}"
+    return Link("process", part.name, "held", text, code, since_s=since_s, evidence=evidence, do=do)
 
 
 def line(now: Snapshot, part: Part) -> Link | None:
@@ -147,20 +107,13 @@ def line(now: Snapshot, part: Part) -> Link | None:
     evidence = f"@status: {part.name} is {unit.phase}; row device.{part.device} = {address}"
     if unit.phase != "degraded":
         return Link("line", part.device, "ok", f"connected at {address}", since_s=unit.uptime_s, evidence=evidence)
-    own = unit.code not in {"unreachable", *REFUSED, ""}
-    works = said.works(now, part)
-    return Link(
-        "fault" if own else "port" if unit.code in REFUSED else "line",
-        part.device,
-        "doubt" if works else "held",
-        f"'{part.name}' {'works in part' if works else 'has no device'}: {unit.reason}"
-        if not own
-        else f"'{part.name}': {unit.reason}",
-        unit.code or "unreachable",
-        since_s=now.since_s(part.name, ("degraded",)),
-        evidence=evidence,
-        do="follow that sentence; lbr doctor checks this machine",
-    )
+    own, since_s = unit.code not in {"unreachable", *REFUSED, ""}, now.since_s(part.name, ("degraded",))
+    name: LinkName = "fault" if own else "port" if unit.code in REFUSED else "line"
+    state: LinkState = "doubt" if said.works(now, part) else "held"
+    how = "" if own else " works in part" if state == "doubt" else " has no device"
+    text, do = f"'{part.name}'{how}: {unit.reason}", "follow that sentence; lbr doctor checks this machine"
+    code = unit.code or "unreachable"
+    return Link(name, part.device, state, text, code, since_s=since_s, evidence=evidence, do=do)
 
 
 def silence(now: Snapshot, part: Part) -> Iterator[Link]:
@@ -169,15 +122,9 @@ def silence(now: Snapshot, part: Part) -> Iterator[Link]:
     unit = now.unit(part.name)
     if not topics or unit is None or unit.phase != "ready" or any(topic in now.messages for topic in topics):
         return
-    yield Link(
-        "process",
-        part.name,
-        "doubt",
-        f"'{part.name}' runs and does not answer: it hangs, is starved, or has sent nothing yet",
-        "timeout",
-        evidence=f"no answer on {topics[0]}",
-        do="ask again in a second: what hangs is ended and started again",
-    )
+    text = f"'{part.name}' runs and does not answer: it hangs, is starved, or has sent nothing yet"
+    evidence, do = f"no answer on {topics[0]}", "ask again in a second: what hangs is ended and started again"
+    yield Link("process", part.name, "doubt", text, "timeout", evidence=evidence, do=do)
 
 
 def update(table: str, where: str, robot: str, column: str = "enabled = 1") -> str:

@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator
 
-from lbr.messages.why import Link
+from lbr.messages.codes import ReasonCode
+from lbr.messages.why import Link, LinkState
 from lbr.why.snapshot import Snapshot
 
 
@@ -33,16 +34,10 @@ def _down(now: Snapshot, robot: str, run: str) -> Link:
         text += ": it was shut down"
     else:
         text += ", and was not shut down: its process was killed, or the machine lost its power"
-    return Link(
-        "executive",
-        "executive",
-        "held",
-        text,
-        "shutting_down" if facts.last_start and in_order else "unreachable",
-        since_s=now.ago_iso_s(facts.last_shutdown) if in_order else None,
-        evidence="no process holds the robot's lock; last_start and last_shutdown of its row",
-        do=run,
-    )
+    code: ReasonCode = "shutting_down" if facts.last_start and in_order else "unreachable"
+    since_s = now.ago_iso_s(facts.last_shutdown) if in_order else None
+    evidence = "no process holds the robot's lock; last_start and last_shutdown of its row"
+    return Link("executive", "executive", "held", text, code, since_s=since_s, evidence=evidence, do=run)
 
 
 def machine(now: Snapshot) -> Iterator[Link]:
@@ -51,16 +46,9 @@ def machine(now: Snapshot) -> Iterator[Link]:
         if event.kind == "busy_over":
             return
         if event.kind == "too_busy":
-            yield Link(
-                "machine",
-                "machine",
-                "doubt",
-                event.text,
-                "busy",
-                since_s=now.ago_s(event),
-                evidence="event too_busy",
-                do="end what else computes there; lbr status shows who has the processor",
-            )
+            evidence, do = "event too_busy", "end what else computes there; lbr status shows who has the processor"
+            since_s = now.ago_s(event)
+            yield Link("machine", "machine", "doubt", event.text, "busy", since_s=since_s, evidence=evidence, do=do)
             return
 
 
@@ -69,17 +57,12 @@ def rows(now: Snapshot) -> Iterator[Link]:
     status = now.status
     codes = status.problem_codes if status is not None else ()
     problems = status.problems if status is not None else now.facts.problems
+    what, evidence = ("an edit of the rows is not in force", "@status") if status else ("the rows are bad", "the rows")
+    state: LinkState = "doubt" if now.executive == "up" else "held"
+    since_s, do = now.since_s("rows", ("rows_refused",)), "correct that row; lbr db check lists all problems"
     for index, problem in enumerate(problems):
-        yield Link(
-            "rows",
-            "rows",
-            "doubt" if now.executive == "up" else "held",
-            f"an edit of the rows is not in force: {problem}" if status is not None else f"the rows are bad: {problem}",
-            codes[index] if index < len(codes) else "bad_value",
-            since_s=now.since_s("rows", ("rows_refused",)),
-            evidence="@status" if status is not None else "the rows",
-            do="correct that row; lbr db check lists all problems",
-        )
+        code = codes[index] if index < len(codes) else "bad_value"
+        yield Link("rows", "rows", state, f"{what}: {problem}", code, since_s=since_s, evidence=evidence, do=do)
 
 
 def estop(now: Snapshot) -> Link:
@@ -97,13 +80,11 @@ def estop(now: Snapshot) -> Link:
     if not latch.engaged:
         return Link("estop", "estop", "ok", "the emergency stop is released", evidence="@status")
     by = f" by {latch.source}" if latch.source else ""
-    return Link(
-        "estop",
-        "estop",
-        "held",
-        latch.text if latch.overdue else f"the emergency stop is latched{by}: {latch.reason or 'no reason given'}",
-        "estop",
-        since_s=now.since_s("estop", ("estop",)) or now.since_s("executive", ("estop",)),
-        evidence="@status: estop",
-        do="use the hardware switch" if latch.overdue else "reset, once nothing is in danger",
+    text, do = (
+        f"the emergency stop is latched{by}: {latch.reason or 'no reason given'}",
+        "reset, once nothing is in danger",
     )
+    if latch.overdue:
+        text, do = latch.text, "use the hardware switch"
+    since_s = now.since_s("estop", ("estop",)) or now.since_s("executive", ("estop",))
+    return Link("estop", "estop", "held", text, "estop", since_s=since_s, evidence="@status: estop", do=do)

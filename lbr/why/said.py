@@ -5,6 +5,7 @@ from typing import Any
 
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.camera import CameraState
+from lbr.messages.codes import ReasonCode
 from lbr.messages.dock import DockSignal
 from lbr.messages.drive import DriveState
 from lbr.messages.gamepad import TeleopState
@@ -14,7 +15,7 @@ from lbr.messages.odometry import OdometryState
 from lbr.messages.power import PowerState, UpsState
 from lbr.messages.sensing import Ranges
 from lbr.messages.servos import ServosState
-from lbr.messages.why import Link
+from lbr.messages.why import Link, LinkState
 from lbr.why import bodies, leases
 from lbr.why.snapshot import Part, Report, Snapshot
 
@@ -52,15 +53,8 @@ def _motors(report: Report[MotorsState]) -> Iterator[Link]:
     if state.faults and not state.estop:
         text = f"the motor controller reports {', '.join(state.faults)}"
         do = "remove the cause; a fault that stays is released by switching the controller off and on"
-        yield report.link(
-            "fault",
-            "doubt" if state.armed else "held",
-            text,
-            "latched",
-            do=do,
-            about=part.device,
-            since=("fault",),
-        )
+        holds: LinkState = "doubt" if state.armed else "held"
+        yield report.link("fault", holds, text, "latched", do=do, about=part.device, since=("fault",))
     if state.armed:
         if state.heard is False:
             yield bodies.unheard(report, "the motor controller")
@@ -68,14 +62,10 @@ def _motors(report: Report[MotorsState]) -> Iterator[Link]:
         yield report.link("motor", "ok", "the motors are armed" + (", and turn" if turns else ", at zero"))
     elif not state.faults or state.estop:
         enable = report.now.facts.say(f"{part.name}.enable", "", enabled=True)
-        yield report.link(
-            "arming",
-            "held",
-            f"the motors are not armed: {state.reason or 'no reason given'}",
-            "estop" if state.estop else "not_armed",
-            do="stop, then move again" + (f"; if they were disabled: {enable}" if enable else ""),
-            since=("trip", "fault", "degraded"),
-        )
+        text = f"the motors are not armed: {state.reason or 'no reason given'}"
+        code: ReasonCode = "estop" if state.estop else "not_armed"
+        do = "stop, then move again" + (f"; if they were disabled: {enable}" if enable else "")
+        yield report.link("arming", "held", text, code, do=do, since=("trip", "fault", "degraded"))
 
 
 def _camera(report: Report[CameraState]) -> Iterator[Link]:
@@ -88,15 +78,10 @@ def _camera(report: Report[CameraState]) -> Iterator[Link]:
         text = f"'{part.name}' is switched off, for privacy: its device is closed"
         yield report.link("switch", "held", text, "off", do=do, since=("switched", "camera", "off"))
     elif state.phase != "streaming":
-        yield report.link(
-            "line",
-            "held",
-            f"'{part.name}' gives no pictures: {state.reason or f'it is {state.phase}'}",
-            "unreachable" if state.phase == "lost" or state.reason else "not_ready",
-            do="follow that sentence; else wait a second",
-            about=part.device,
-            since=("degraded", "lost"),
-        )
+        text = f"'{part.name}' gives no pictures: {state.reason or f'it is {state.phase}'}"
+        code: ReasonCode = "unreachable" if state.phase == "lost" or state.reason else "not_ready"
+        do = "follow that sentence; else wait a second"
+        yield report.link("line", "held", text, code, do=do, about=part.device, since=("degraded", "lost"))
     else:
         yield _rate(report)
 
@@ -110,14 +95,10 @@ def _rate(report: Report[CameraState]) -> Link:
     if rate >= SLOW * wanted or young or (state.rests and rate > 0.0):
         size = f"{state.width_px} x {state.height_px}" if state.width_px else ""
         return report.link("rate", "ok", f"{rate:.0f} pictures a second {size}".strip())
-    return report.link(
-        "rate",
-        "held" if rate == 0.0 else "doubt",
-        f"'{part.name}' gives {rate:.0f} pictures a second, where its row asks for {wanted:.0f}",
-        "timeout",
-        do="more light, a smaller picture, or less for the machine to do",
-        evidence=f"@status: rates_hz; {report.topic}: dropped {state.dropped}",
-    )
+    text = f"'{part.name}' gives {rate:.0f} pictures a second, where its row asks for {wanted:.0f}"
+    evidence = f"@status: rates_hz; {report.topic}: dropped {state.dropped}"
+    do = "more light, a smaller picture, or less for the machine to do"
+    return report.link("rate", "held" if rate == 0.0 else "doubt", text, "timeout", do=do, evidence=evidence)
 
 
 def _ranges(report: Report[Ranges]) -> Iterator[Link]:
@@ -136,9 +117,8 @@ def _ranges(report: Report[Ranges]) -> Iterator[Link]:
             yield report.link("reading", "doubt", text, "stale_sensor", do=do, about=sensor)
         elif metres is not None and metres <= stop_m:
             text = f"something is {metres:.2f} m from sensor '{sensor}', nearer than {stop_m:.2f} m: {refused}"
-            yield report.link(
-                "reading", "doubt", text, "obstacle", do="move the other way, or take it away", about=sensor
-            )
+            do = "move the other way, or take it away"
+            yield report.link("reading", "doubt", text, "obstacle", do=do, about=sensor)
 
 
 def _rules(part: Part) -> list[dict[str, Any]]:
