@@ -2,7 +2,7 @@
 
 from collections.abc import Hashable, Mapping
 from math import inf, nan
-from typing import Generic, Literal, TypeVar
+from typing import Any, Generic, Literal, TypeVar
 
 from msgspec import Struct
 
@@ -31,29 +31,40 @@ class Phrasing(Struct, frozen=True, kw_only=True):
     idle: str
 
 
-class LeaseRequest(Struct, frozen=True, kw_only=True):
-    """A command for the rules of leases; it was sent, otherwise it arrived, at `received`.
+class Origin(Struct, frozen=True, kw_only=True):
+    """The sender of a command; it was sent, otherwise it arrived, at `received`.
 
-    `content` is the command without sender, lease and lifetime; `moves`: it asks for motion. `remote`: from another
-    machine, whose clock showed `sender_s` (NaN: unknown). `answerable`: the sender waits for the reply. `new_lease` is
-    the id for a new lease. It may be `patience_s` old. It had waited at its sender for `waited_s`, as a line does that
-    was typed ahead. `by` is the original sender, if there is one.
+    `remote`: from another machine, whose clock showed `sender_s` (NaN: unknown). `answerable`: the sender waits for the
+    reply. `new_lease` is the id for a new lease. It had waited at its sender for `waited_s`, as a line does that was
+    typed ahead. `by` is the original sender, if there is one.
     """
 
     source: str
+    received: float
+    new_lease: str
+    remote: bool = False
+    sender_s: float = nan
+    waited_s: float = 0.0
+    by: str = ""
+    answerable: bool = True
+
+    def origin(self) -> dict[str, Any]:
+        """Return these fields, for another struct with them."""
+        return {name: getattr(self, name) for name in Origin.__struct_fields__}
+
+
+class LeaseRequest(Origin, frozen=True, kw_only=True):
+    """A command for the rules of leases. It may be `patience_s` old.
+
+    `content` is the command without sender, lease and lifetime; `moves`: it asks for motion.
+    """
+
     lease: str
     content: Hashable
     moves: bool
-    received: float
-    new_lease: str
     take_over: bool = False
     ttl_s: float | None = None
-    remote: bool = False
-    sender_s: float = nan
-    answerable: bool = True
     patience_s: float = LATE_S
-    waited_s: float = 0.0
-    by: str = ""
 
 
 class Stop(Struct, frozen=True, kw_only=True):

@@ -65,19 +65,12 @@ def _asked(state: State, event: Command, now: float) -> Ask[ActiveMotion]:
     """Return a command as a request to the leases; after the user's checks it may be older."""
     command = event.command
     request = LeaseRequest(
-        source=event.source,
+        **event.origin(),
         lease=command.lease,
         content=content_of(command),
         moves=moves(command),
-        received=event.received,
-        new_lease=event.new_lease,
         take_over=command.take_over,
         ttl_s=command.ttl_s,
-        remote=event.remote,
-        sender_s=event.sender_s,
-        waited_s=event.waited_s,
-        by=event.by,
-        answerable=event.answerable,
         patience_s=LATE_S + (2 * state.settings.checks_timeout_s if event.checks else 0.0),
     )
     return resolve(state.leases, request, now)

@@ -5,7 +5,7 @@ from math import inf, nan
 
 from msgspec import Struct
 
-from lbr.leases.lease import EstopChanged, Happened, Lease, LeaseTable, Reply, Result, Setpoint, Stop
+from lbr.leases.lease import EstopChanged, Happened, Lease, LeaseTable, Origin, Reply, Result, Setpoint, Stop
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.codes import Reason
 from lbr.messages.drive import CheckVerdict
@@ -26,24 +26,11 @@ from lbr.operations.drive.settings import DriveSettings
 from lbr.operations.drive.turn_goal import TurnGoal
 
 
-class Command(Struct, frozen=True, kw_only=True):
-    """A motion command sent, or else received, at `received`, with fresh ids in case it is accepted.
-
-    Before that it waited at its sender for `waited_s`; `by` is the original requester. `remote`: it is from another
-    machine, whose clock was at `sender_s` (NaN: unknown). `answerable`: the sender waits for the reply. `checks`: the
-    verdicts of the user's own checks.
-    """
+class Command(Origin, frozen=True, kw_only=True):
+    """A motion command, with fresh ids in case it is accepted. `checks`: the verdicts of the user's own checks."""
 
     command: Motion
-    source: str
-    new_lease: str
     new_goal: str
-    received: float
-    remote: bool = False
-    sender_s: float = nan
-    waited_s: float = 0.0
-    by: str = ""
-    answerable: bool = True
     checks: Mapping[str, CheckVerdict | None] = {}
 
 

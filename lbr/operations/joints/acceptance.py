@@ -27,20 +27,14 @@ Link = Callable[[State, JointsCommand, Ask[Move]], Reason | None]
 def asked_of(state: State, event: Command, now: float) -> Ask[Move]:
     """Return a command as a request to the leases; an empty command repeats the motion of its lease."""
     command = event.command
+    received = event.received if command.asked_s is None else min(event.received, command.asked_s)
     request = LeaseRequest(
-        source=event.source,
+        **event.origin() | {"received": received},
         lease=command.lease,
         content=asked(command, event.new_goal),
         moves=True,
-        received=event.received if command.asked_s is None else min(event.received, command.asked_s),
-        new_lease=event.new_lease,
         take_over=command.take_over,
         ttl_s=command.ttl_s,
-        remote=event.remote,
-        sender_s=event.sender_s,
-        waited_s=event.waited_s,
-        by=event.by,
-        answerable=event.answerable,
     )
     lease = quoted(state.leases, request) if empty(command) else None
     return resolve(state.leases, replace(request, content=lease.content) if lease is not None else request, now)

@@ -10,6 +10,7 @@ from lbr.leases.lease import (
     EstopChanged,
     Happened,
     LeaseTable,
+    Origin,
     Phrasing,
     Reply,
     Result,
@@ -31,23 +32,11 @@ PASSES_ON = ("", "pc")
 """The modes of the servos' controller in which goals reach the servos."""
 
 
-class Command(Struct, frozen=True, kw_only=True):
-    """A motion command sent, or else received, at `received`, with fresh ids in case it is accepted.
-
-    Before that it waited at its sender for `waited_s`; `by` is the original requester. `remote`: it is from another
-    machine, whose clock was at `sender_s` (NaN: unknown). `answerable`: the sender waits for the reply.
-    """
+class Command(Origin, frozen=True, kw_only=True):
+    """A motion command, with fresh ids in case it is accepted."""
 
     command: JointsCommand
-    source: str
-    new_lease: str
     new_goal: str
-    received: float
-    remote: bool = False
-    sender_s: float = nan
-    waited_s: float = 0.0
-    by: str = ""
-    answerable: bool = True
 
 
 class Torque(Struct, frozen=True, kw_only=True):

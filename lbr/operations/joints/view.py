@@ -2,6 +2,8 @@
 
 from math import isfinite
 
+from msgspec.structs import asdict
+
 from lbr.messages.codes import Reason
 from lbr.messages.drive import LoopStatistics
 from lbr.messages.joints import Joint, JointsState, JointState
@@ -53,23 +55,15 @@ def _joint(state: State, joint: Joint, target_rad: float | None, now: float) -> 
     servo = state.seen.get(joint.name)
     if servo is None:
         return JointState(id=joint.device_id, target_rad=target_rad, reason=_absence(state))
-    return JointState(
-        id=servo.id,
-        position_rad=_angle(joint, servo.position_rad),
-        speed_rps=_signed(joint, servo.speed_rps),
-        load=_signed(joint, servo.load),
-        goal_rad=_angle(joint, servo.goal_rad),
-        target_rad=target_rad,
-        torque=servo.torque,
-        voltage_v=servo.voltage_v,
-        temperature_c=servo.temperature_c,
-        faults=servo.faults,
-        latched=servo.latched,
-        raw=servo.raw,
-        trusted=servo.trusted,
-        age_s=_age_s(state, servo, now),
-        reason=servo.reason,
-    )
+    as_joint = {
+        "position_rad": _angle(joint, servo.position_rad),
+        "speed_rps": _signed(joint, servo.speed_rps),
+        "load": _signed(joint, servo.load),
+        "goal_rad": _angle(joint, servo.goal_rad),
+        "age_s": _age_s(state, servo, now),
+        "target_rad": target_rad,
+    }
+    return JointState(**{**asdict(servo), **as_joint})
 
 
 def _absence(state: State) -> str:
