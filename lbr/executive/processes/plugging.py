@@ -2,6 +2,7 @@
 receives them by a command, and is restarted only if that fails."""
 
 from collections.abc import Callable
+from dataclasses import KW_ONLY, dataclass, field
 from math import inf
 from typing import NamedTuple
 
@@ -37,37 +38,30 @@ class _Asked(NamedTuple):
     question: wire.PendingQuery
 
 
+@dataclass(eq=False)
 class Plugging(Service):
     """Sends edits to processes, and checks the replies; `process(name)` is one, `restart(name, why)` restarts it."""
 
-    def __init__(
-        self,
-        bus: Session,
-        robot: str,
-        *,
-        process: Callable[[str], object],
-        restart: Callable[[str, str], None],
-        wake: Callable[[], None],
-    ) -> None:
-        self._bus = bus
-        self._robot = robot
-        self._process = process
-        self._restart = restart
-        self._wake = wake
-        self._asked: list[_Asked] = []
+    bus: Session
+    robot: str
+    _: KW_ONLY
+    process: Callable[[str], object]
+    restart: Callable[[str, str], None]
+    wake: Callable[[], None]
+    _asked: list[_Asked] = field(default_factory=list, init=False)
 
     def ask(self, world: str, devices: tuple[DeviceConfig, ...]) -> None:
         """Ask a running world to emulate more devices."""
         for one in devices:
             wanted = PlugDevice(device=one.name, type=one.type, address=one.address, settings=one.settings)
-            key = keys.port(self._robot, world, "plug")
+            key = keys.port(self.robot, world, "plug")
             if not self._ask(world, key, wanted, f"device '{one.name}' cannot be plugged in while it runs"):
                 return
 
     def tell(self, name: str, rows: RowsChanged) -> None:
         """Send the edited rows to a running capability."""
         failure = f"it cannot go on with other rows of {', '.join(rows.rows)}"
-        self._ask(name, keys.edit(self._robot, name), rows, failure)
+        self._ask(name, keys.edit(self.robot, name), rows, failure)
 
     def step(self, _now: float) -> float:
         """Restart a process whose request failed, once; a process that has restarted meanwhile has the edit already."""
@@ -76,22 +70,22 @@ class Plugging(Service):
         begun = set()
         for asked in done:
             why = _why_not(asked.question)
-            if why and asked.name not in begun and self._process(asked.name) is asked.process:
+            if why and asked.name not in begun and self.process(asked.name) is asked.process:
                 begun.add(asked.name)
-                self._restart(asked.name, f"{asked.failure}: {why}")
+                self.restart(asked.name, f"{asked.failure}: {why}")
         return inf
 
     def _ask(self, name: str, key: str, message: Struct, failure: str) -> bool:
         """Send a request to a process, if it runs; return whether it was sent."""
-        process = self._process(name)
+        process = self.process(name)
         if process is None:
             return False
         try:
             question = wire.PendingQuery(
-                self._bus, key, wire.encode(message), timeout_s=WITHIN_S, source="executive", wake=self._wake
+                self.bus, key, wire.encode(message), timeout_s=WITHIN_S, source="executive", wake=self.wake
             )
         except BusError as err:
-            self._restart(name, str(err))
+            self.restart(name, str(err))
             return False
         self._asked.append(_Asked(name, process, failure, question))
         return True

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import KW_ONLY, dataclass
 from functools import partial
 from pathlib import Path
 
@@ -37,27 +38,18 @@ class Edit(Struct, frozen=True):
     begun_s: float
 
 
+@dataclass(eq=False)
 class Edits:
     """Reads requests for edits, and writes those that `judge` accepts; `process(name)` is a capability's process."""
 
-    def __init__(
-        self,
-        served: wire.QueryServer,
-        path: Path,
-        rows: LiveRows,
-        judge: Judge,
-        *,
-        process: Callable[[str], object],
-        happened: Happened,
-        clock: Callable[[], float] = time.monotonic,
-    ) -> None:
-        self.served = served
-        self._path = path
-        self._rows = rows
-        self._judge = judge
-        self._process = process
-        self._happened = happened
-        self._clock = clock
+    served: wire.QueryServer
+    path: Path
+    rows: LiveRows
+    judge: Judge
+    _: KW_ONLY
+    process: Callable[[str], object]
+    happened: Happened
+    clock: Callable[[], float] = time.monotonic
 
     def read(self, request: wire.Request) -> Job:
         """Return the edit that a wired capability requests, of rows that its kind may write."""
@@ -66,29 +58,29 @@ class Edits:
         if not self._may(name):
             raise InputError(f"'{name[:40]}' is not wired to executive.edit", "denied")
         command = _commands.decode(request.payload)
-        rows = edits.understood(command, self._rows.plan.kinds[name].rights.edits)
-        edit = Edit(name, command, rows, self._process(name), self._clock())
+        rows = edits.understood(command, self.rows.plan.kinds[name].rights.edits)
+        edit = Edit(name, command, rows, self.process(name), self.clock())
         return Job(request, self, partial(self._write, edit), partial(self._end, edit), holds=True)
 
     def refused(self, reason: str, code: Code) -> EditReply:
         """Return a refusal."""
-        return EditReply(accepted=False, reason=reason, code=code, revision=self._rows.plan.rows.revision)
+        return EditReply(accepted=False, reason=reason, code=code, revision=self.rows.plan.rows.revision)
 
     def _may(self, name: str) -> bool:
         """Return whether rows wire a capability to this; the bus admits no other, but a stamp proves nothing."""
-        plan = self._rows.plan
+        plan = self.rows.plan
         asked = plan.units[name].config.requests.values() if name in plan.units else ()
         return any(one.get(EXECUTIVE) == keys.edit(plan.robot) for one in asked)
 
     def _write(self, edit: Edit) -> EditReply:
         command = edit.command
         try:
-            with Database.open(self._path, program="executive") as database:
+            with Database.open(self.path, program="executive") as database:
                 proposed = edits.write_rows(
                     database,
-                    self._rows.plan.robot,
+                    self.rows.plan.robot,
                     edit.rows,
-                    self._judge,
+                    self.judge,
                     create=command.create,
                     revision=command.revision,
                     by=" for ".join(filter(None, (edit.name, command.by))),
@@ -101,11 +93,11 @@ class Edits:
     def _end(self, edit: Edit, reply: Reply) -> bool:
         if not reply.accepted:
             return False
-        name, by, took_s = edit.name, edit.command.by, self._clock() - edit.begun_s
-        if took_s < WAITED_FOR_S and self._may(name) and self._process(name) is edit.process:
-            self._rows.knows(name, edit.rows)
+        name, by, took_s = edit.name, edit.command.by, self.clock() - edit.begun_s
+        if took_s < WAITED_FOR_S and self._may(name) and self.process(name) is edit.process:
+            self.rows.knows(name, edit.rows)
         text = f"wrote {edits.names(edit.rows)[:300]}" + (f" for {by}" if by else "")
-        self._happened("edit", name, text, data={"revision": reply.revision})
+        self.happened("edit", name, text, data={"revision": reply.revision})
         if took_s > SLOW_S:
-            self._happened("slow_disk", name, f"it took {took_s:.1f} s to write rows", "warning")
+            self.happened("slow_disk", name, f"it took {took_s:.1f} s to write rows", "warning")
         return True

@@ -8,6 +8,7 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
+from lbr.database import copies
 from lbr.database.rows import RobotRow
 from lbr.database.store import Database
 from lbr.errors import InputError
@@ -73,7 +74,7 @@ def write(path: Path, reason: str) -> None:
         finally:
             os.close(fd)
         draft.replace(path)
-        _sync_folder(path)
+        copies.sync(path.parent)
     except OSError as err:
         raise InputError(f"{path} cannot be written ({err.strerror}): check the disk") from err
 
@@ -82,7 +83,7 @@ def remove(path: Path) -> None:
     """Remove the file, also from the disk, before returning."""
     try:
         path.unlink(missing_ok=True)
-        _sync_folder(path)
+        copies.sync(path.parent)
     except OSError as err:
         raise InputError(f"{path} cannot be removed ({err.strerror}): check the disk") from err
 
@@ -94,11 +95,3 @@ def _write(fd: int, reason: bytes) -> None:
         if err.errno not in FULL:
             raise
     os.fsync(fd)
-
-
-def _sync_folder(path: Path) -> None:
-    fd = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-    try:
-        os.fsync(fd)
-    finally:
-        os.close(fd)

@@ -4,6 +4,7 @@ import contextlib
 import ipaddress
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import KW_ONLY, dataclass
 from typing import get_args
 
 from msgspec.structs import asdict, replace
@@ -25,21 +26,15 @@ LOOK_S = 0.2
 OPERATE: Role = "operate"
 
 
+@dataclass(eq=False)
 class LettingIn:
     """Answers the words. `address(name, timeout_s)` asks a server for its address; None if it does not answer."""
 
-    def __init__(
-        self,
-        robot: Robot,
-        address: Callable[[str, float], JsonObject | None],
-        *,
-        clock: Callable[[], float] = time.monotonic,
-        pause: Callable[[float], None] = time.sleep,
-    ) -> None:
-        self._robot = robot
-        self._address = address
-        self._clock = clock
-        self._pause = pause
+    robot: Robot
+    address: Callable[[str, float], JsonObject | None]
+    _: KW_ONLY
+    clock: Callable[[], float] = time.monotonic
+    pause: Callable[[float], None] = time.sleep
 
     def page(self) -> str:
         """Return the address of the server; raise InputError with the reason if it has no address."""
@@ -69,7 +64,7 @@ class LettingIn:
         if place is None:
             text = f"'{name}' does not serve now, so that no phone could show a code; 'status' shows the reason"
             return ConsoleResult(code=1, text=text, reason_code="unreachable")
-        code = self._robot.pair(role, requester)  # type: ignore[arg-type]
+        code = self.robot.pair(role, requester)  # type: ignore[arg-type]
         url, is_open, tls = str(place.get("url", "")), bool(place.get("open")), bool(place.get("tls"))
         way = f"{url}#pair={code.digits}" if url else ""
         print_of = credentials.fingerprint_shown() if tls else ""
@@ -116,7 +111,7 @@ class LettingIn:
         if _is_local(self._host(row.name)):
             text = f"'{row.name}' is closed already: only this machine reaches it"
             return ConsoleResult(code=0, text=text)
-        self._robot.listen_at(row.name, HERE, requester)
+        self.robot.listen_at(row.name, HERE, requester)
         self._settled(row.name, is_open=False)
         text = (
             f"'{row.name}' is closed: only this machine reaches it. Tokens stay; 'lbr token revoke NAME' takes one back"
@@ -125,7 +120,7 @@ class LettingIn:
 
     def _server(self) -> CapabilityRow:
         """Return the row of the server for people: of several, one that runs, or is named like its kind."""
-        plan = self._robot.plan
+        plan = self.robot.plan
         rows = [row for row in plan.rows.capabilities if row.name in plan.kinds and plan.kinds[row.name].rights.pairs]
         server = min(rows, key=lambda row: (row.name not in plan.units, row.name != row.kind, row.name), default=None)
         if server is None:
@@ -139,27 +134,27 @@ class LettingIn:
         """Make a server listen to the network; return False if it does already."""
         if not _is_local(self._host(name)):
             return False
-        self._robot.listen_at(name, EVERYWHERE, requester)
+        self.robot.listen_at(name, EVERYWHERE, requester)
         return True
 
     def _host(self, name: str) -> str:
         """Return the address at which a server's row makes it listen."""
-        plan = self._robot.plan
+        plan = self.robot.plan
         return str(asdict(plan.kinds[name].parse(bytes(plan.units[name].config.settings)))["host"])
 
     def _serving(self, name: str) -> dict[str, object] | None:
         """Return where a server listens; None if it does not serve."""
-        place = self._address(name, ADDRESS_S)
+        place = self.address(name, ADDRESS_S)
         return place if place is not None and place.get("accepted") else None
 
     def _settled(self, name: str, *, is_open: bool) -> dict[str, object] | None:
         """Wait until a server listens as its row now requires, and return where; None if that takes long."""
-        end = self._clock() + AGAIN_S
-        while self._clock() < end:
+        end = self.clock() + AGAIN_S
+        while self.clock() < end:
             place = self._serving(name)
             if place is not None and bool(place.get("open")) is is_open:
                 return place
-            self._pause(LOOK_S)
+            self.pause(LOOK_S)
         return None
 
 
