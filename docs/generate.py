@@ -641,7 +641,7 @@ def _messages(known: Iterable[Kind]) -> list[type[Struct]]:
     named: list[type[Struct]] = [
         message for _, _, takes, gives in _SYSTEM for message in (takes, gives) if message is not None
     ]
-    named += [system.Stamp]
+    named += [system.Stamp, CommandReply]
     for kind in known:
         for group in ("outputs", "inputs", "setpoints", "messages", "requests", "replies"):
             named += list(getattr(kind, group).values())

@@ -44,7 +44,6 @@ class MotionRequests(NamedTuple):
     """Some of these requests, in the form of a kind's declaration."""
 
     requests: dict[str, type[Struct]]
-    replies: dict[str, type[Struct]]
     wires: dict[str, Wire]
 
 
@@ -53,7 +52,6 @@ def motion_requests(*names: str) -> MotionRequests:
     chosen = {name: _KNOWN[name] for name in names}
     return MotionRequests(
         requests={name: message for name, (message, _) in chosen.items()},
-        replies=dict.fromkeys(names, CommandReply),
         wires={name: Wire(port) for name, (_, port) in chosen.items()},
     )
 

@@ -3,7 +3,6 @@
 from lbr.capability.kind import Command, Kind, Needs, Rights
 from lbr.capability.word import Word
 from lbr.messages.kinematics import Kinematics, Wheel
-from lbr.messages.leases import CommandReply
 from lbr.messages.sensing import RangeSensor
 from lbr.simulation.messages import WorldPose, WorldScene
 from lbr.simulation.requests import (
@@ -42,7 +41,6 @@ KIND = Kind(
     replies={
         "picture": PictureReply,
         "fault": FaultReply,
-        "plug": CommandReply,
         "place": ThingsReply,
         "remove": ThingsReply,
         "ball": BallReply,

@@ -24,7 +24,7 @@ from lbr.messages.behaviour import (
 )
 from lbr.messages.drive import DriveCommand, GoalResult, HeadingCommand, TurnCommand
 from lbr.messages.joints import PlayCommand
-from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.leases import StopCommand
 from lbr.messages.sensing import RangeSensor
 from lbr.messages.sighting import WatchCommand
 from lbr.messages.speech import SayCommand
@@ -88,12 +88,7 @@ KIND = Kind(
         "say": SayCommand,
         "watch": WatchCommand,
     },
-    replies={
-        **dict.fromkeys(("run", "show", "list", "why", "pause", "step", "resume", "stop", *_ASKED), CommandReply),
-        "check": BehaviourChecked,
-        "read": BehaviourChecked,
-        "write": BehaviourWritten,
-    },
+    replies={"check": BehaviourChecked, "read": BehaviourChecked, "write": BehaviourWritten},
     rows=tuple(Rows(row, followed=True) for row in (BehaviourTable, BehaviourRow, RangeSensor)),
     wires={
         **{stream: Wire("state" if stream != "ranges" else "readings", _STREAM_DEPTH) for stream in STREAMS},

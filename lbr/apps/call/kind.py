@@ -8,7 +8,6 @@ from lbr.apps.call.messages import CallState, CallWord, KeepCommand, RingCommand
 from lbr.capability.kind import Command, Kind
 from lbr.capability.word import Word
 from lbr.messages.camera import CameraState, JpegFrame
-from lbr.messages.leases import CommandReply
 from lbr.messages.system import Role
 from lbr.messages.units import basic
 
@@ -50,7 +49,7 @@ KIND = Kind(
         "answer": Command(CallWord, role="admin"),
         **dict.fromkeys(("decline", "end"), CallWord),
     },
-    replies={"ring": RingReply, "keep": RingReply, **dict.fromkeys(("answer", "decline", "end"), CommandReply)},
+    replies={"ring": RingReply, "keep": RingReply},
     words=(
         Word("/call/answer", "answer", "Answer the call that rings"),
         Word("/call/decline", "decline", "Decline the call that rings"),

@@ -5,7 +5,6 @@ from msgspec import Struct
 from lbr.capability.kind import Command, Kind, Known
 from lbr.capability.word import Word
 from lbr.messages.camera import CamerasState, CameraState, SelectCommand, SwitchCommand
-from lbr.messages.leases import CommandReply
 
 
 class CamerasSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -30,7 +29,6 @@ KIND = Kind(
     inputs={"states": CameraState},
     outputs={"state": CamerasState},
     commands={"select": Command(SelectCommand, choices={"name": _cameras})},
-    replies={"select": CommandReply, "switch": CommandReply},
     requests={"switch": SwitchCommand},
     words=(Word("/camera/{name}", "select", "Switch a camera on and the others off, by its name, or off for none"),),
 )

@@ -8,7 +8,7 @@ from lbr.apps.dance.messages import DanceCommand, DanceState, DanceStep
 from lbr.capability.kind import Command, Kind, Known, names
 from lbr.capability.word import Word
 from lbr.messages.drive import DriveCommand
-from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.leases import StopCommand
 from lbr.messages.speech import HushCommand, PlayReply, SongCommand, SpeechState
 from lbr.messages.units import Name
 
@@ -41,14 +41,7 @@ KIND = Kind(
         "play": Command(DanceCommand, choices={"song": _songs, "dance": names(DanceStep, "dance")}),
         "stop": StopCommand,
     },
-    replies={
-        "play": CommandReply,
-        "stop": CommandReply,
-        "motion": CommandReply,
-        "halt": CommandReply,
-        "sound": PlayReply,
-        "hush": CommandReply,
-    },
+    replies={"sound": PlayReply},
     requests={"motion": DriveCommand, "halt": StopCommand, "sound": SongCommand, "hush": HushCommand},
     rows=(DanceStep,),
     words=(

@@ -15,7 +15,6 @@ from lbr.capability.kind import Kind, Needs, Rights, Rows, Wire
 from lbr.messages.behaviour import RunBehaviour
 from lbr.messages.camera import JpegFrame
 from lbr.messages.drive import GoalResult
-from lbr.messages.leases import CommandReply
 from lbr.messages.speech import SayCommand
 from lbr.messages.units import Name
 
@@ -110,7 +109,6 @@ KIND = Kind(
     optional=(*_STREAMS, "results", "frames"),
     outputs={"state": MqttState},
     requests={**_MOTION.requests, "run": RunBehaviour, "say": SayCommand},
-    replies={**_MOTION.replies, "run": CommandReply, "say": CommandReply},
     rows=(Rows(TokenRight, {"name": "token"}),),
     wires={
         **dict.fromkeys(_STREAMS, Wire("state")),

@@ -6,7 +6,6 @@ from msgspec import Meta, Struct
 
 from lbr.capability.kind import Command, Kind, OnDevice, names
 from lbr.capability.word import Word
-from lbr.messages.leases import CommandReply
 from lbr.messages.speech import HushCommand, Phrase, PlayReply, SayCommand, SongCommand, SpeechState
 from lbr.messages.units import Fraction, Name, basic
 
@@ -53,7 +52,7 @@ KIND = Kind(
     settings=SpeechSettings,
     outputs={"state": SpeechState},
     commands={"say": Command(SayCommand, choices={"phrase": names(Phrase)}), "hush": HushCommand, "play": SongCommand},
-    replies={"say": CommandReply, "hush": CommandReply, "play": PlayReply},
+    replies={"play": PlayReply},
     device=OnDevice("speaker", emulated="folder"),
     rows=(Phrase,),
     words=(

@@ -60,7 +60,7 @@ KIND = Kind(
     optional=("results",),
     outputs={"state": TeleopState},
     requests={**_MOTION.requests, "say": LineCommand},
-    replies={**_MOTION.replies, "say": ConsoleResult},
+    replies={"say": ConsoleResult},
     rights=Rights(serves=True),
     says="lines",
     wires={"pad": Wire("gamepad.state", 16), "results": Wire("result", 16), **_MOTION.wires},

@@ -6,7 +6,6 @@ from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind, OnDevice
 from lbr.messages.camera import CameraState, JpegFrame, SnapshotCommand, SnapshotReply, SwitchCommand
-from lbr.messages.leases import CommandReply
 from lbr.messages.units import Name, basic
 
 Pixels = Annotated[int, Meta(ge=16, le=4096)]
@@ -36,6 +35,6 @@ KIND = Kind(
     settings=CameraSettings,
     outputs={"frame": JpegFrame, "state": CameraState},
     commands={"switch": SwitchCommand, "snapshot": SnapshotCommand},
-    replies={"switch": CommandReply, "snapshot": SnapshotReply},
+    replies={"snapshot": SnapshotReply},
     device=OnDevice("camera", emulated="socket", recognised="lbr.drivers.camera.recognition:HANDSHAKE"),
 )

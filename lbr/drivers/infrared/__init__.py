@@ -8,7 +8,6 @@ from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind, OnDevice
 from lbr.messages.dock import DockHeard, DockSignal
-from lbr.messages.leases import CommandReply
 from lbr.messages.units import Name
 
 Beam = Literal["left", "right", "power"]
@@ -83,6 +82,5 @@ KIND = Kind(
     settings=InfraredSettings,
     outputs={"signal": DockSignal},
     commands={"heard": DockHeard},
-    replies={"heard": CommandReply},
     device=OnDevice("infrared", recognised="lbr.drivers.infrared.recognition:HANDSHAKE"),
 )

@@ -8,7 +8,6 @@ from lbr.capability.kind import Kind, OnDevice
 from lbr.capability.word import Word
 from lbr.drivers.inertial import STILL_MPS2, STILL_RPS, StillMps2, StillRps
 from lbr.messages.imu import ImuSample, ZeroCommand
-from lbr.messages.leases import CommandReply
 from lbr.messages.units import Name
 
 
@@ -39,7 +38,6 @@ KIND = Kind(
     settings=PhidgetSpatialSettings,
     outputs={"sample": ImuSample},
     commands={"zero": ZeroCommand},
-    replies={"zero": CommandReply},
     device=OnDevice("phidget_spatial", emulated="socket"),
     words=(
         Word("zero", "zero", "Take the zero of the inertial unit's gyro again; keep the robot still for two seconds"),

@@ -6,7 +6,6 @@ from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind, OnDevice
 from lbr.capability.word import Word
-from lbr.messages.leases import CommandReply
 from lbr.messages.power import RelayCommand, UpsState
 from lbr.messages.units import Name
 
@@ -44,7 +43,6 @@ KIND = Kind(
     settings=PicoSettings,
     outputs={"state": UpsState},
     commands={"relay": RelayCommand},
-    replies={"relay": CommandReply},
     device=OnDevice("pico", emulated="socket", recognised="lbr.drivers.pico.recognition:HANDSHAKE"),
     words=(
         Word("/relay/on", "relay", "Switch the power of the motors on", {"on": True}, role="admin"),

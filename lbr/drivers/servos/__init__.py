@@ -24,7 +24,6 @@ from msgspec import Meta, Struct
 from lbr.capability.kind import Command, Kind, OnDevice, Rows
 from lbr.capability.word import Word
 from lbr.messages.joints import Joint
-from lbr.messages.leases import CommandReply
 from lbr.messages.servos import RecoverServos, ServoSetpoint, ServosState
 from lbr.messages.system import AcknowledgeS
 from lbr.messages.units import Name, basic
@@ -99,7 +98,7 @@ def servos_kind(
         setpoints={"setpoint": ServoSetpoint},
         outputs={"state": ServosState, **outputs},
         commands={"recover": RecoverServos, **commands},
-        replies={"recover": CommandReply, **replies},
+        replies=replies,
         words=words,
         moves=True,
         device=OnDevice(device or name, line="polled", recognised=recognised),

@@ -26,7 +26,6 @@ from msgspec import Meta, Struct
 from lbr.capability.kind import Kind, OnDevice
 from lbr.capability.word import Word
 from lbr.messages.kinematics import Kinematics, Wheel
-from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorSetpoint, MotorsState
 from lbr.messages.system import AcknowledgeS
 from lbr.messages.units import Name
@@ -74,7 +73,6 @@ def wheels_kind(
         setpoints={"setpoint": MotorSetpoint},
         outputs={"state": MotorsState},
         commands={"enable": EnableCommand},
-        replies={"enable": CommandReply},
         rows=(Kinematics, Wheel),
         moves=True,
         device=OnDevice(device or name, line="serial", recognised=recognised),

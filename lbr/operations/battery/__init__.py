@@ -7,7 +7,6 @@ from msgspec import Meta, Struct
 
 from lbr.capability.kind import Kind
 from lbr.messages.battery import BatteryState
-from lbr.messages.leases import CommandReply
 from lbr.messages.motors import MotorsState
 from lbr.messages.speech import SayCommand
 
@@ -83,5 +82,4 @@ KIND = Kind(
     inputs={"motors": MotorsState},
     outputs={"state": BatteryState},
     requests={"say": SayCommand},
-    replies={"say": CommandReply},
 )

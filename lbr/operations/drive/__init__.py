@@ -14,7 +14,7 @@ from lbr.messages.drive import (
     TwistCommand,
 )
 from lbr.messages.kinematics import Kinematics, Wheel
-from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.leases import StopCommand
 from lbr.messages.motors import MotorSetpoint, MotorsState
 from lbr.messages.odometry import OdometryState
 from lbr.messages.sensing import Ranges, RangeSensor, Scan
@@ -47,10 +47,7 @@ KIND = Kind(
         "twist": Command(TwistCommand, leased=True),
         "stop": StopCommand,
     },
-    replies={
-        **dict.fromkeys(("command", "turn", "heading", "twist", "stop"), CommandReply),
-        "checks": CheckVerdict,
-    },
+    replies={"checks": CheckVerdict},
     requests={"checks": CheckRequest},
     rows=(RangeSensor, Kinematics, Wheel),
     optional=("scans",),

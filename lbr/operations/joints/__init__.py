@@ -4,7 +4,7 @@ from lbr.capability.kind import Command, Kind, Rows, names
 from lbr.capability.word import Word
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import Joint, JointMove, JointsCommand, JointsState, RecoverCommand, TorqueCommand
-from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.leases import StopCommand
 from lbr.messages.servos import RecoverServos, ServoSetpoint, ServosState
 from lbr.operations.joints.settings import JointsSettings
 
@@ -23,7 +23,6 @@ KIND = Kind(
         "recover": Command(RecoverCommand, choices={"joints": names(Joint)}),
         "stop": StopCommand,
     },
-    replies=dict.fromkeys(("command", "move", "torque", "recover", "stop", "servos_recover"), CommandReply),
     requests={"servos_recover": RecoverServos},
     moves=True,
     rows=(Rows(Joint, where={"bus": "bus"}),),

@@ -17,7 +17,7 @@ from lbr.messages.joints import (
     MotionStep,
     PlayCommand,
 )
-from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.leases import StopCommand
 from lbr.messages.units import TtlS
 
 
@@ -42,7 +42,6 @@ KIND = Kind(
         "capture": Command(CaptureCommand, choices={"motion": names(MotionRow)}, role="admin"),
         "stop": StopCommand,
     },
-    replies=dict.fromkeys(("play", "capture", "stop", "move", "halt"), CommandReply),
     requests={"move": JointsCommand, "halt": StopCommand},
     moves=True,
     rows=(Rows(Joint, where={"bus": "bus"}), Rows(MotionRow, learnt=True), Rows(MotionStep, learnt=True)),

@@ -9,7 +9,7 @@ from lbr.capability.word import Word
 from lbr.messages.calibration import CalibrationValue
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import PlayCommand, TorqueCommand
-from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.leases import StopCommand
 from lbr.messages.power import ArmCommand, CancelCommand, PowerState, UpsState, Volts
 from lbr.messages.speech import SayCommand
 from lbr.messages.units import Name
@@ -75,7 +75,6 @@ KIND = Kind(
         "arm": Command(ArmCommand, role="admin"),
         "cancel": CancelCommand,
     },
-    replies=dict.fromkeys(("arm", "cancel", "park", "halt", "let_go", "say"), CommandReply),
     requests={"park": PlayCommand, "halt": StopCommand, "let_go": TorqueCommand, "say": SayCommand},
     rows=(Rows(CalibrationValue, where={"device": "device"}, learnt=True),),
     words=(

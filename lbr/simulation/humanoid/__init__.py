@@ -3,7 +3,6 @@
 from lbr.capability.kind import Command, Kind, Needs, Rights, names
 from lbr.capability.word import Word
 from lbr.messages.joints import Joint
-from lbr.messages.leases import CommandReply
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.messages import HumanoidPose
 from lbr.simulation.requests import (
@@ -37,13 +36,7 @@ KIND = Kind(
         "hand": Command(HandRequest, choices={"joint": names(Joint)}),
     },
     rights=Rights(emulates=True),
-    replies={
-        "picture": PictureReply,
-        "fault": FaultReply,
-        "plug": CommandReply,
-        "pick_up": PickUpReply,
-        "ball": BallReply,
-    },
+    replies={"picture": PictureReply, "fault": FaultReply, "pick_up": PickUpReply, "ball": BallReply},
     rows=(Joint,),
     words=(
         Word("picture", "picture", "Simulation: save a picture of the robot from its front and its left"),

@@ -8,7 +8,6 @@ from lbr.apps.vision.settings import LOOK_WORDS, VisionSettings
 from lbr.capability.kind import Kind
 from lbr.capability.word import Word
 from lbr.messages.camera import CameraState, JpegFrame, SnapshotReply
-from lbr.messages.leases import CommandReply
 from lbr.messages.sighting import SightingState, WatchCommand
 from lbr.messages.tracking import LookCommand
 
@@ -37,7 +36,7 @@ KIND = Kind(
     inputs={"frame": JpegFrame, "camera": CameraState},
     outputs={"state": SightingState},
     commands={"watch": WatchCommand, "look": LookCommand},
-    replies={"watch": CommandReply, "look": SnapshotReply},
+    replies={"look": SnapshotReply},
     words=(
         Word("/watch/{target}", "watch", "Look out for a minute for: colour or face; it moves nothing"),
         Word("/watch/off", "watch", "Look out no longer", {"seconds": 0.0}),

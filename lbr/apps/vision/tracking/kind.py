@@ -9,7 +9,7 @@ from lbr.capability.kind import Kind
 from lbr.capability.word import Word
 from lbr.messages.camera import CameraState, JpegFrame, SnapshotReply
 from lbr.messages.joints import Joint, JointsCommand, JointsState
-from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.leases import StopCommand
 from lbr.messages.tracking import LookCommand, TrackCommand, TrackingState
 from lbr.messages.units import Name, basic
 
@@ -46,7 +46,7 @@ KIND = Kind(
     outputs={"state": TrackingState},
     commands={"track": TrackCommand, "stop": StopCommand, "look": LookCommand},
     requests={"move": JointsCommand, "halt": StopCommand},
-    replies={**dict.fromkeys(("track", "stop", "move", "halt"), CommandReply), "look": SnapshotReply},
+    replies={"look": SnapshotReply},
     rows=(Joint,),
     words=(
         Word("track", "track", "Have the head follow the coloured thing, until a stop", {"target": "colour"}),

@@ -15,7 +15,7 @@ from lbr.messages.battery import BatteryState
 from lbr.messages.beacon import MANOEUVRES, BeaconState, SeekCommand
 from lbr.messages.dock import DockSignal
 from lbr.messages.drive import DriveCommand, DriveState, GoalResult, TurnCommand
-from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.leases import StopCommand
 from lbr.messages.sensing import Ranges
 from lbr.messages.units import TtlS
 
@@ -61,7 +61,6 @@ KIND = Kind(
         "stop": StopCommand,
     },
     requests={"move": DriveCommand, "turn": TurnCommand, "halt": StopCommand},
-    replies=dict.fromkeys(("seek", "stop", "move", "turn", "halt"), CommandReply),
     moves=True,
     wires={
         "attitude": Wire("attitude.state"),

@@ -8,7 +8,6 @@ from lbr.capability.kind import Command
 from lbr.capability.word import Word
 from lbr.drivers.servos import ServosSettings, servos_kind
 from lbr.messages.imu import ImuSample
-from lbr.messages.leases import CommandReply
 from lbr.messages.system import AcknowledgeS
 from lbr.messages.units import basic
 from lbr.robots.uxa90.driver.messages import (
@@ -94,7 +93,7 @@ KIND = servos_kind(
         "inquire": Command(InquireCommand, role="view"),
         "configure": Command(ConfigureCommand, role="admin"),
     },
-    replies={"take_control": CommandReply, "inquire": InquireReply, "configure": InquireReply},
+    replies={"inquire": InquireReply, "configure": InquireReply},
     words=(
         Word(
             "pc",
