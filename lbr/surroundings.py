@@ -138,11 +138,9 @@ def explained(err: OSError) -> str:
     what = f"{os.fsdecode(err.filename)}: " if isinstance(err.filename, str | bytes) else ""
     if err.errno in {errno.EMFILE, errno.ENFILE}:
         most, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
-        whose = (
-            f"{most} files are open, the most for this process"
-            if err.errno == errno.EMFILE
-            else "too many files are open on this machine"
-        )
+        whose = "too many files are open on this machine"
+        if err.errno == errno.EMFILE:
+            whose = f"{most} files are open, the most for this process"
         return f"{what}{whose}: 'ulimit -n {OPEN_FILES}' allows more"
     lift = "'ulimit -f unlimited' lifts it"
     size = {

@@ -101,9 +101,8 @@ def stop(leases: LeaseTable[M], event: Stop, now: float) -> Decision[M]:
         leases = replace(leases, stopped=sent, stopped_by=event.source)
     leases = forget_persistent(leases, event.source)
     if event.lost and leases.live is not None and leases.live.source == event.source:
-        return end_all(
-            leases, "lapsed", Reason("holder_gone", event.reason or "the sender that wanted it is gone"), now
-        )
+        gone = Reason("holder_gone", event.reason or "the sender that wanted it is gone")
+        return end_all(leases, "lapsed", gone, now)
     why = f"stopped by {event.source}" + (f": {event.reason}" if event.reason else "")
     return end_all(leases, "stopped", Reason("stopped", why), now)
 

@@ -83,13 +83,8 @@ def lose_time(leases: LeaseTable[M], clock: float, now: float) -> Decision[M]:
 def happened(ended: Ended[M], kind: str = "") -> Happened:
     """Return the event for people about the end of a lease; its kind is the ending, unless given."""
     level: Level = "warning" if ended.how in UNPLANNED else "info"
-    return Happened(
-        kind=kind or ended.how,
-        text=f"{ended.lease.source}: {ended.why}",
-        level=level,
-        code=ended.why.code,
-        about=ended.lease.source,
-    )
+    source, why = ended.lease.source, ended.why
+    return Happened(kind=kind or ended.how, text=f"{source}: {why}", level=level, code=why.code, about=source)
 
 
 def report_holder(
@@ -104,14 +99,9 @@ def report_holder(
     text = f"{lost} lost {noun}: {why}" if not took else f"{took} took {noun}" + (f" from {lost}" if lost else "")
     if tally.untold:
         text += f" (and {tally.untold} changes of holder before that)"
-    data = {"took": took, "lost": lost, "why": str(why or "")}
-    change = Happened(
-        kind="holder",
-        text=text,
-        data={name: value for name, value in data.items() if value},
-        code=why.code if why else "",
-        about=lost or took,
-    )
+    known = {"took": took, "lost": lost, "why": str(why or "")}
+    data, code = {name: value for name, value in known.items() if value}, why.code if why else ""
+    change = Happened(kind="holder", text=text, data=data, code=code, about=lost or took)
     return replace(leases, tally=Tally(budget=budget - 1.0, at=now)), (change,)
 
 

@@ -13,6 +13,8 @@ from lbr.errors import MalformedError
 from lbr.leases.client import PendingReply
 from lbr.messages.leases import CommandReply
 
+ANSWER = Decoder(CommandReply)
+
 
 @dataclass(frozen=True, slots=True)
 class OverSession:
@@ -39,17 +41,15 @@ class OverSession:
         return _Question(query)
 
 
+@dataclass(frozen=True, slots=True)
 class _Question:
-    _decoder = Decoder(CommandReply)
-
-    def __init__(self, question: wire.PendingQuery) -> None:
-        self._question = question
-        self._name = question.key.split("/")[-2]
+    question: wire.PendingQuery
 
     def answers(self) -> Mapping[str, Any] | None:
-        for raw in self._question.replies:
+        name = self.question.key.split("/")[-2]
+        for raw in self.question.replies:
             try:
-                return {self._name: self._decoder.decode(raw.payload)}
+                return {name: ANSWER.decode(raw.payload)}
             except MalformedError:
                 continue
-        return {self._name: None} if self._question.done else None
+        return {name: None} if self.question.done else None

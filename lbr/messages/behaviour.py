@@ -38,9 +38,7 @@ class BehaviourTable(Row, frozen=True, kw_only=True):
 
 
 class BehaviourRow(Row, frozen=True, kw_only=True):
-    """The rows of a behaviour. In a state, the first row whose conditions all hold is taken. A wrong cell stops only
-    its behaviour.
-    """
+    """The rows of a behaviour. In a state, the first whose conditions all hold is taken. A wrong cell stops only it."""
 
     TABLE = "behaviour_row"
     KEY = ("behaviour", "step")

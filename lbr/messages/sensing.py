@@ -2,9 +2,10 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from math import inf, isfinite, nan, pi
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from msgspec import Meta, Struct
+from msgspec.structs import replace
 
 from lbr.messages.rows import Fault, Others, Row
 from lbr.messages.units import Name
@@ -59,17 +60,9 @@ def ranges(
     ages_s: Mapping[str, float] | None = None,
 ) -> Ranges:
     """Return the message for sensors of any name."""
-    return Ranges(
-        forward_m=metres.get("forward"),
-        back_m=metres.get("back"),
-        left_m=metres.get("left"),
-        right_m=metres.get("right"),
-        bottom_m=metres.get("bottom"),
-        status=dict(status),
-        cycle_s=cycle_s,
-        others_m={name: value for name, value in metres.items() if name not in RING},
-        ages_s=dict(ages_s or {}),
-    )
+    around: dict[str, Any] = {f"{name}_m": metres.get(name) for name in RING}
+    others = {name: value for name, value in metres.items() if name not in RING}
+    return Ranges(**around, status=dict(status), cycle_s=cycle_s, others_m=others, ages_s=dict(ages_s or {}))
 
 
 Reading = float | Literal["Infinity", "-Infinity"] | None
@@ -133,8 +126,7 @@ Metres = Annotated[float, Meta(ge=-5.0, le=5.0)]
 
 class RangeSensor(Row, frozen=True, kw_only=True):
     """Sensors of distance: the place of each on the base, its direction, width and reach. Axes are REP 103's: x ahead,
-    y left, from the middle between the wheels; angles are anticlockwise.
-    """
+    y left, from the middle between the wheels; angles are anticlockwise."""
 
     TABLE = "range_sensor"
     KEY = ("name",)
@@ -195,21 +187,8 @@ def ring(length_m: float, width_m: float, height_m: float = 0.3) -> tuple[RangeS
         ("left", 0.0, aside_m, pi / 2),
         ("right", 0.0, -aside_m, -pi / 2),
     )
-    level = [
-        RangeSensor(
-            name=name,
-            kind="ultrasonic",
-            x_m=x_m,
-            y_m=y_m,
-            z_m=height_m,
-            yaw_rad=yaw,
-            min_m=0.17,
-            max_m=8.0,
-            stop_m=None,
-        )
-        for name, x_m, y_m, yaw in places
-    ]
     down = RangeSensor(
         name="bottom", kind="ultrasonic", z_m=height_m, pitch_rad=pi / 2, min_m=0.17, max_m=8.0, stop_m=None
     )
+    level = [replace(down, name=name, x_m=x_m, y_m=y_m, yaw_rad=yaw, pitch_rad=0.0) for name, x_m, y_m, yaw in places]
     return (*level, down)
