@@ -328,8 +328,7 @@ CREATE TABLE wheel (
     FOREIGN KEY (robot) REFERENCES robot (name) ON UPDATE CASCADE ON DELETE CASCADE
 ) STRICT;
 
--- The rows of a behaviour. In a state, the first row whose conditions all hold is taken. A wrong cell stops only its
--- behaviour.
+-- The rows of a behaviour. In a state, the first whose conditions all hold is taken. A wrong cell stops only it.
 CREATE TABLE behaviour_row (
     robot      TEXT    NOT NULL,  -- its robot
     behaviour  TEXT    NOT NULL,  -- its behaviour
@@ -417,7 +416,7 @@ CREATE TABLE revision (
     changed_at TEXT    NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ', 'now'))  -- when
 ) STRICT;
 
--- The author and the program of each change that lbr made. A revision outside all of these is another SQLite client's.
+-- The author and the program of each change that lbr made. A revision outside these is another SQLite client's.
 CREATE TABLE change (
     first_revision INTEGER NOT NULL PRIMARY KEY,  -- its first revision
     last_revision  INTEGER NOT NULL  -- its last one
