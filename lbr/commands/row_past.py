@@ -38,7 +38,7 @@ def complete_table(_context: click.Context, _parameter: click.Parameter, begun: 
 
 
 class Changing(NamedTuple):
-    """How a command changes rows: of which robot, since which revision, and whether it writes them."""
+    """A change of rows by a command: the robot, the revision that it began with, and whether it is written."""
 
     robot: str | None
     expected: int | None

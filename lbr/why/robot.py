@@ -57,12 +57,12 @@ def rows(now: Snapshot) -> Iterator[Link]:
     status = now.status
     codes = status.problem_codes if status is not None else ()
     problems = status.problems if status is not None else now.facts.problems
-    what, evidence = ("an edit of the rows is not in force", "@status") if status else ("the rows are bad", "the rows")
+    fault, evidence = ("an edit of the rows is not in force", "@status") if status else ("the rows are bad", "the rows")
     state: LinkState = "doubt" if now.executive == "up" else "held"
     since_s, do = now.since_s("rows", ("rows_refused",)), "correct that row; lbr db check lists all problems"
     for index, problem in enumerate(problems):
         code = codes[index] if index < len(codes) else "bad_value"
-        yield Link("rows", "rows", state, f"{what}: {problem}", code, since_s=since_s, evidence=evidence, do=do)
+        yield Link("rows", "rows", state, f"{fault}: {problem}", code, since_s=since_s, evidence=evidence, do=do)
 
 
 def estop(now: Snapshot) -> Link:
@@ -80,10 +80,8 @@ def estop(now: Snapshot) -> Link:
     if not latch.engaged:
         return Link("estop", "estop", "ok", "the emergency stop is released", evidence="@status")
     by = f" by {latch.source}" if latch.source else ""
-    text, do = (
-        f"the emergency stop is latched{by}: {latch.reason or 'no reason given'}",
-        "reset, once nothing is in danger",
-    )
+    text = f"the emergency stop is latched{by}: {latch.reason or 'no reason given'}"
+    do = "reset, once nothing is in danger"
     if latch.overdue:
         text, do = latch.text, "use the hardware switch"
     since_s = now.since_s("estop", ("estop",)) or now.since_s("executive", ("estop",))
