@@ -6,16 +6,7 @@ from typing import Literal
 
 from msgspec import Struct
 
-from lbr.commands.unitfiles import (
-    DROP_IN,
-    POLKIT,
-    RELAY_DROP_IN,
-    RELAY_UNIT,
-    RULES,
-    SYSUSERS,
-    UNIT,
-    is_pristine,
-)
+from lbr.commands.unitfiles import DROP_IN, POLKIT, RELAY_DROP_IN, RELAY_UNIT, RULES, SYSUSERS, UNIT, is_pristine
 
 State = Literal["absent", "current", "outdated", "edited"]
 MODE = 0o644

@@ -28,13 +28,7 @@ class RunCommand(click.Command):
 
 @click.command("run", cls=RunCommand)
 @click.argument("profile", default=DEFAULT_PROFILE, shell_complete=complete_profile)
-@click.option(
-    "--db",
-    "database",
-    type=FileName(),
-    metavar="FILE",
-    help="The rows; $LBR_HOME/robot.db if left out.",
-)
+@click.option("--db", "database", type=FileName(), metavar="FILE", help="The rows; $LBR_HOME/robot.db if left out.")
 @click.option(
     "--listen", multiple=True, metavar="ENDPOINT", help="Also listen here, such as tls/0.0.0.0:7447; may be repeated."
 )

@@ -218,10 +218,7 @@ class VerbRow(Row, frozen=True, kw_only=True):
 
     word: Annotated[
         str,
-        Meta(
-            pattern="^[A-Za-z][A-Za-z0-9_]{0,39}$(?!\\n)",
-            extra={"shape": shapes.WORD},
-        ),
+        Meta(pattern="^[A-Za-z][A-Za-z0-9_]{0,39}$(?!\\n)", extra={"shape": shapes.WORD}),
         "the first part of the pattern; capital letters count",
     ]
     pattern: Annotated[str, Meta(min_length=1, extra={"shape": shapes.PATTERN}), "a line's form, see above"]

@@ -13,18 +13,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from lbr.database import (
-    adopted,
-    audit,
-    constraints,
-    foreign,
-    history,
-    identity,
-    packaged,
-    past,
-    statements,
-    tokens,
-)
+from lbr.database import adopted, audit, constraints, foreign, history, identity, packaged, past, statements, tokens
 from lbr.database.connection import (
     BUSY_TIMEOUT_S,
     Connection,

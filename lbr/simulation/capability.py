@@ -15,13 +15,7 @@ from lbr.simulation.engine import Engine, body_of
 from lbr.simulation.measured import ImuReading, Sensed
 from lbr.simulation.messages import WorldBox, WorldPose, WorldScene
 from lbr.simulation.model import TIMESTEP_S
-from lbr.simulation.requests import (
-    BallRequest,
-    PictureRequest,
-    PlaceRequest,
-    RemoveRequest,
-    ThingsReply,
-)
+from lbr.simulation.requests import BallRequest, PictureRequest, PlaceRequest, RemoveRequest, ThingsReply
 from lbr.simulation.settings import WorldSettings
 from lbr.simulation.topdown import image
 from lbr.simulation.trace import OutputTrace

@@ -2,6 +2,4 @@
 
 from lbr.component import Component
 
-COMPONENT = Component(
-    kinds={"cameras": "lbr.apps.cameras.kind:KIND"},
-)
+COMPONENT = Component(kinds={"cameras": "lbr.apps.cameras.kind:KIND"})

@@ -2,7 +2,4 @@
 
 from lbr.component import Component
 
-COMPONENT = Component(
-    kinds={"dance": "lbr.apps.dance.kind:KIND"},
-    messages=("lbr.apps.dance.messages",),
-)
+COMPONENT = Component(kinds={"dance": "lbr.apps.dance.kind:KIND"}, messages=("lbr.apps.dance.messages",))

@@ -2,6 +2,4 @@
 
 from lbr.component import Component
 
-COMPONENT = Component(
-    kinds={"lan": "lbr.apps.lan.kind:KIND"},
-)
+COMPONENT = Component(kinds={"lan": "lbr.apps.lan.kind:KIND"})

@@ -212,12 +212,7 @@ TOOLS: tuple[Tool, ...] = (
         own=lambda _known: {"plan": _text("from `preview`", 40)},
         required=("plan",),
     ),
-    Tool(
-        name="stop",
-        title="Stop",
-        help="Stop whatever moves, whoever moves it. Always allowed.",
-        repeats=True,
-    ),
+    Tool(name="stop", title="Stop", help="Stop whatever moves, whoever moves it. Always allowed.", repeats=True),
     Tool(
         name="estop",
         title="Emergency stop",

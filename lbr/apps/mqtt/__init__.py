@@ -7,7 +7,4 @@ those of Home Assistant. None of these knows network or bus. `session` is the co
 
 from lbr.component import Component
 
-COMPONENT = Component(
-    kinds={"mqtt": "lbr.apps.mqtt.kind:KIND"},
-    messages=("lbr.apps.mqtt.messages",),
-)
+COMPONENT = Component(kinds={"mqtt": "lbr.apps.mqtt.kind:KIND"}, messages=("lbr.apps.mqtt.messages",))

@@ -2,6 +2,4 @@
 
 from lbr.component import Component
 
-COMPONENT = Component(
-    kinds={"speech": "lbr.apps.speech.kind:KIND"},
-)
+COMPONENT = Component(kinds={"speech": "lbr.apps.speech.kind:KIND"})

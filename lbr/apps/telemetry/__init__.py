@@ -2,6 +2,4 @@
 
 from lbr.component import Component
 
-COMPONENT = Component(
-    kinds={"telemetry": "lbr.apps.telemetry.kind:KIND"},
-)
+COMPONENT = Component(kinds={"telemetry": "lbr.apps.telemetry.kind:KIND"})

@@ -6,6 +6,4 @@ the drive, as any other client does.
 
 from lbr.component import Component
 
-COMPONENT = Component(
-    kinds={"gamepad_teleop": "lbr.apps.teleop.kind:KIND"},
-)
+COMPONENT = Component(kinds={"gamepad_teleop": "lbr.apps.teleop.kind:KIND"})

@@ -30,10 +30,6 @@ class VisionSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
 
 LOOK_WORDS = (
-    Word(
-        "look",
-        "look",
-        "Save the picture with the coloured thing marked, and report the colour of its middle",
-    ),
+    Word("look", "look", "Save the picture with the coloured thing marked, and report the colour of its middle"),
     Word("/look/{target}", "look", "Save the picture with that marked: colour or face"),
 )

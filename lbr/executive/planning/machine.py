@@ -74,12 +74,7 @@ def _too_many(robot: str, count: int, bound: str) -> Problem:
 
 def this_machine(running: int) -> Machine:
     """Return the limits of this machine, on which `running` processes of the robot already run."""
-    most, bound = min(
-        (MOST_CAPABILITIES, ANY.bound),
-        _by_files(),
-        _by_memory(running),
-        key=lambda one: one[0],
-    )
+    most, bound = min((MOST_CAPABILITIES, ANY.bound), _by_files(), _by_memory(running), key=lambda one: one[0])
     return Machine(most=most, bound=bound, lacks=Kind.lacks)
 
 

@@ -103,10 +103,7 @@ class ConsoleService(Service):
         self._stops.start()
         self._lines: dict[tuple[Role, bool], wire.QueryServer] = {}
         for role in get_args(Role):
-            for key, page in (
-                (keys.console(robot, role), False),
-                (keys.console_of_pages(robot, role), True),
-            ):
+            for key, page in ((keys.console(robot, role), False), (keys.console_of_pages(robot, role), True)):
                 self._lines[role, page] = wire.QueryServer(bus, key, self._take, puts=False, source="executive")
 
     def close(self) -> None:

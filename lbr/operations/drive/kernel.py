@@ -41,11 +41,7 @@ from lbr.operations.drive.state import (
     motors_trouble,
 )
 
-PHRASING = Phrasing(
-    noun="the base",
-    rest="send power 0, or pause, before driving again",
-    idle="no sender drives",
-)
+PHRASING = Phrasing(noun="the base", rest="send power 0, or pause, before driving again", idle="no sender drives")
 LAPSE_AHEAD_ROUNDS = 1.5
 """The reserve for a lapse: the loop notices it up to a round late, and it takes a moment to reach the motors."""
 

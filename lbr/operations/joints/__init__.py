@@ -62,10 +62,6 @@ KIND = Kind(
             "recover",
             "Recover all joints from latched faults, such as an overload whose cause is gone; moves nothing",
         ),
-        Word(
-            "/recover/{joints}",
-            "recover",
-            "Recover a joint, or several, such as /recover/left_knee",
-        ),
+        Word("/recover/{joints}", "recover", "Recover a joint, or several, such as /recover/left_knee"),
     ),
 )

@@ -14,17 +14,7 @@ from lbr.operations.joints.acceptance import asked_of, command_of, refusal
 from lbr.operations.joints.ending import Decision, end_what_is_over, setpoint, still, take
 from lbr.operations.joints.move import Move
 from lbr.operations.joints.request import strengths
-from lbr.operations.joints.state import (
-    Command,
-    Event,
-    HolderGone,
-    ServosLost,
-    ServosSeen,
-    State,
-    Tick,
-    Torque,
-    waits,
-)
+from lbr.operations.joints.state import Command, Event, HolderGone, ServosLost, ServosSeen, State, Tick, Torque, waits
 
 
 def decide(state: State, event: Event, now: float) -> Decision:

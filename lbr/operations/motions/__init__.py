@@ -66,11 +66,7 @@ KIND = Kind(
             {"mirror": True},
         ),
         Word("/pose/{motion}", "play", "Take a pose: a motion of one key frame", {"times": 1}),
-        Word(
-            "/capture/{motion}",
-            "capture",
-            "Append the joints' pose to a motion, or begin a new one with it",
-        ),
+        Word("/capture/{motion}", "capture", "Append the joints' pose to a motion, or begin a new one with it"),
         Word(
             "/capture/{motion}/{duration_s}",
             "capture",

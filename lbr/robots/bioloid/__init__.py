@@ -2,6 +2,4 @@
 
 from lbr.component import Component
 
-COMPONENT = Component(
-    robots={"bioloid": "lbr.robots.bioloid.robot:ROBOT"},
-)
+COMPONENT = Component(robots={"bioloid": "lbr.robots.bioloid.robot:ROBOT"})

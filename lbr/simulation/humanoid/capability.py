@@ -18,13 +18,7 @@ from lbr.simulation.humanoid.servos import Servo, servo
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.measured import ImuReading, Sensed, ServoDrive, ServoFelt
 from lbr.simulation.messages import HumanoidPose
-from lbr.simulation.requests import (
-    BallRequest,
-    HandRequest,
-    PickUpReply,
-    PickUpRequest,
-    PictureRequest,
-)
+from lbr.simulation.requests import BallRequest, HandRequest, PickUpReply, PickUpRequest, PictureRequest
 from lbr.simulation.twins import PowerSwitch, ServoBus, Twin
 from lbr.simulation.world import SimulatedWorld
 

@@ -128,13 +128,7 @@ def import_(
 
 @command.command("export")
 @click.argument("table", shell_complete=complete_behaviour)
-@click.option(
-    "--csv",
-    "form",
-    flag_value="csv",
-    default=True,
-    help="For a spreadsheet; the default.",
-)
+@click.option("--csv", "form", flag_value="csv", default=True, help="For a spreadsheet; the default.")
 @click.option("--json", "form", flag_value="json", help="As JSON.")
 @click.option(
     "--semicolons", is_flag=True, help="CSV with semicolons, as spreadsheets want it where numbers have commas."
