@@ -78,7 +78,7 @@ class LettingIn:
             "svg": _svg(way) if is_open and way else "",
             "fingerprint": print_of,
         }
-        drawn = _drawn(way) if is_open and url else ""
+        drawn, minutes = _drawn(way) if is_open and url else "", GOOD_FOR_S / 60
         lines = [
             *(
                 ["Hold the phone's camera at the picture, or type the address and the six digits there:"]
@@ -86,7 +86,7 @@ class LettingIn:
                 else ()
             ),
             f"{code.digits[:3]} {code.digits[3:]}   at {_where(place)}",
-            f"The code is good for {GOOD_FOR_S / 60:g} minutes and one device. Its token has the role '{role}'.",
+            f"The code is good for {minutes:g} minutes and one device, which gets a token with the role '{role}'.",
             f"{WRONG_TRIES} wrong tries end it, as does another code.",
             *_honest(is_open=is_open, tls=tls, own=tls and credentials.is_own_shown(), fingerprint=print_of),
             *([drawn] if drawn else ()),  # the last line, so that a terminal of 24 lines shows it whole
