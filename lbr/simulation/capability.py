@@ -13,7 +13,7 @@ from lbr.messages.sensing import Ranges, RangeStatus, ranges
 from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.engine import Engine, body_of
 from lbr.simulation.measured import ImuReading, Sensed
-from lbr.simulation.messages import WorldBox, WorldPose, WorldScene
+from lbr.simulation.messages import WorldBox, WorldScene
 from lbr.simulation.model import TIMESTEP_S
 from lbr.simulation.requests import BallRequest, PictureRequest, PlaceRequest, RemoveRequest, ThingsReply
 from lbr.simulation.settings import WorldSettings
@@ -78,8 +78,6 @@ class WheeledPhysics:
 
 
 _TRAIL_EVERY_M = 0.03
-SAME_POSE_S = 0.5
-"""The interval of reports for a robot that stands still."""
 
 
 class World(SimulatedWorld[WorldSettings]):
@@ -91,8 +89,7 @@ class World(SimulatedWorld[WorldSettings]):
         self._trace: OutputTrace | None = None
         self._physics: WheeledPhysics | None = None
         self._scene: WorldScene | None = None
-        self._scene_at = self._posed_at = 0.0
-        self._still: WorldPose | None = None
+        self._scene_at = 0.0
         self._trail: deque[tuple[float, float]] = deque(maxlen=5000)
 
     def open(self) -> None:
@@ -115,14 +112,10 @@ class World(SimulatedWorld[WorldSettings]):
             self.ctx.publish("scene", scene)
 
     def tell_pose(self, now: float) -> None:
-        """Publish the pose of the robot, less often while it stands still."""
-        physics, _, _ = self._running()
-        pose = physics.pose
-        still = msgspec.structs.replace(pose, battery_v=0.0, time_s=0.0)  # these two never stand still
-        if still != self._still or now - self._posed_at >= SAME_POSE_S:
-            self._still, self._posed_at = still, now
-            self.ctx.publish("pose", pose)
-            self._remember((pose.x_m, pose.y_m))
+        """Publish the pose of the robot, and remember its trail."""
+        pose = self._running()[0].pose
+        self.publish_pose(pose, now, battery_v=0.0, time_s=0.0)
+        self._remember((pose.x_m, pose.y_m))
 
     def command(self, call: Call) -> None:
         """Answer `ball`, `fault`, `plug`, `place`, `remove` and `picture`."""

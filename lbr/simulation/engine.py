@@ -58,7 +58,7 @@ class Engine:
         self._power: dict[str, float] = {}
         self._owed_s = 0.0
         self._steps = self._still_steps = 0
-        self._ranges: dict[str, float | None] = {}
+        self.ranges_m: dict[str, float | None] = {}
         self._scans: dict[str, tuple[float | None, ...]] = {}
         self._beams: frozenset[Beam] = frozenset()
         self._charging = False
@@ -129,18 +129,13 @@ class Engine:
             counts=(left.counts, right.counts),
             speeds_rpm=(left.speed_rpm, right.speed_rpm),
             motors=motors,
-            ranges_m=self._ranges,
+            ranges_m=self.ranges_m,
             scans_m=self._scans,
             imu=self.imu(),
             charging=self._charging,
             charging_a=self.battery.charging_a,
             beams=self._beams,
         )
-
-    @property
-    def ranges_m(self) -> dict[str, float | None]:
-        """Return the distances before the sensors of a single distance, in metres; None: nothing within reach."""
-        return self._ranges
 
     def imu(self) -> ImuReading:
         """Return an inertial unit's measurement at the newest step; cheap, for a twin that is read."""
@@ -235,7 +230,7 @@ class Engine:
         looks = self._steps // _SENSE_EVERY
         self._steps += steps
         if self._steps // _SENSE_EVERY != looks:
-            self._ranges = self._rangers.again(self._steps - self._steps % _SENSE_EVERY)
+            self.ranges_m = self._rangers.again(self._steps - self._steps % _SENSE_EVERY)
 
     def _step_once(self) -> None:
         if self._placed.changed:
@@ -286,7 +281,7 @@ class Engine:
     def _sense(self) -> None:
         """Look around: these measurements are less frequent than steps of the physics."""
         place = self._place()
-        self._ranges = self._rangers.look(self._data, place, self._steps)
+        self.ranges_m = self._rangers.look(self._data, place, self._steps)
         self._scans = self._rangers.scan(self._data, place)
         if self._dock is not None:
             self._charging = self._dock.charging(place)

@@ -19,7 +19,7 @@ class Placed:
     def __init__(self, model: MjModel) -> None:
         self._things: dict[str, WorldBox] = {}
         self._slots: dict[str, str] = {}
-        self._changed = False
+        self.changed = False
         self._geoms = {slot: int(model.geom(slot).id) for slot in PLACEABLE}
         self._bodies = {slot: int(model.body(slot).id) for slot in PLACEABLE}
 
@@ -27,11 +27,6 @@ class Placed:
     def things(self) -> tuple[WorldBox, ...]:
         """Return the placed things."""
         return tuple(self._things.values())
-
-    @property
-    def changed(self) -> bool:
-        """Return whether there is something to `apply`."""
-        return self._changed
 
     def place(self, box: WorldBox, robot: tuple[float, float, float]) -> None:
         """Place a thing, or move it if its name is known; `robot` is the robot's place, and its outline's radius."""
@@ -46,7 +41,7 @@ class Placed:
         free = next((slot for slot in PLACEABLE if slot not in self._slots.values()), "")
         self._slots.setdefault(box.name, free)
         self._things[box.name] = box
-        self._changed = True
+        self.changed = True
 
     def remove(self, name: str) -> None:
         """Remove a thing."""
@@ -55,13 +50,13 @@ class Placed:
                 f"nothing called '{name}' was placed; there is: {', '.join(sorted(self._things)) or 'nothing'}"
             )
         del self._slots[name], self._things[name]
-        self._changed = True
+        self.changed = True
 
     def apply(self, model: MjModel, data: MjData) -> None:
         """Put everything at its place, if anything has changed."""
-        if not self._changed:
+        if not self.changed:
             return
-        self._changed = False
+        self.changed = False
         taken = {slot: self._things[name] for name, slot in tuple(self._slots.items()) if name in self._things}
         for slot in PLACEABLE:
             position, turned, half = _set_up(taken[slot]) if slot in taken else _PARKED

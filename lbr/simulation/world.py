@@ -4,11 +4,14 @@ import sys
 from collections.abc import Callable
 from typing import Any, Protocol, TypeVar
 
+from msgspec.structs import replace
+
 from lbr.capability.base import Capability
 from lbr.capability.context import Call, Context
 from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.loop import SWITCH_S, Physics, WorldLoop
+from lbr.simulation.messages import HumanoidPose, WorldPose
 from lbr.simulation.painter import Painter
 from lbr.simulation.plugged import Plugged, report_drawing
 from lbr.simulation.requests import FaultRequest, PlugRequest
@@ -17,6 +20,9 @@ from lbr.simulation.twins import Surroundings, Twin
 
 S = TypeVar("S", bound=WorldSettings | HumanoidWorldSettings)
 P = TypeVar("P", bound=Physics)
+
+SAME_POSE_S = 0.5
+"""The interval of reports for a robot that does not move."""
 
 
 class Drawn(Protocol):
@@ -39,13 +45,14 @@ class SimulatedWorld(Capability[S]):
         self._plugged: Plugged | None = None
         self._cameras: CameraHost | None = None
         self._painter = Painter(ctx)
-        self._pose_at = 0.0
+        self._pose_at = self._posed_at = 0.0
+        self._still: WorldPose | HumanoidPose | None = None
         self._switch_s = sys.getswitchinterval()
 
     def begin(self, engine: Drawn, physics: Callable[[tuple[Twin, ...], CameraHost], P], **around: Any) -> P:
         """Plug the twins in and start time; `around` are further arguments for the twins."""
         sys.setswitchinterval(SWITCH_S)
-        self._pose_at = self.ctx.clock()
+        self._pose_at, self._still = self.ctx.clock(), None
         self._painter = Painter(self.ctx)
         cameras = self._cameras = CameraHost(engine.packed(), len(engine.view()))
         plugged = self._plugged = Plugged(
@@ -72,6 +79,13 @@ class SimulatedWorld(Capability[S]):
 
     def tell_pose(self, now: float) -> None:
         """Publish where the robot is."""
+
+    def publish_pose(self, pose: WorldPose | HumanoidPose, now: float, **restless: float) -> None:
+        """Publish a pose, less often while nothing moves but these fields, which never stand still."""
+        still = replace(pose, **restless)
+        if still != self._still or now - self._posed_at >= SAME_POSE_S:
+            self._still, self._posed_at = still, now
+            self.ctx.publish("pose", pose)
 
     def command(self, call: Call) -> None:
         """Answer `fault` and `plug`."""

@@ -81,21 +81,17 @@ class Publisher:
 class Driving:
     """The publishers of motion: `receive` messages, and follow the `command`; `lost` are refusals and ends to report.
 
-    With a reason why it is `denied`, no publisher in ROS drives.
+    `driver` is the gid of the publisher that drives, or empty; `stands` is why the robot must stand. With a reason why
+    it is `denied`, no publisher in ROS drives.
     """
 
     def __init__(self, limits: Limits, denied: Reason | None = None) -> None:
         self._limits = limits
         self._denied = denied
         self._publishers: OrderedDict[bytes, Publisher] = OrderedDict()
-        self._driver: bytes = b""
-        self._stands = AT_REST
+        self.driver: bytes = b""
+        self.stands = AT_REST
         self.lost: list[tuple[bytes, Reason]] = []
-
-    @property
-    def driver(self) -> bytes:
-        """Return the publisher that drives the robot, or an empty gid."""
-        return self._driver
 
     def receive(self, asked: MotionMessage) -> None:
         """Receive a twist or a trajectory of a publisher."""
@@ -109,23 +105,23 @@ class Driving:
         publisher.heard_s = asked.arrived_s
         if asked.motion.rests:
             publisher.rest()
-            if self._driver == asked.by.gid:
-                self._driver, self._stands = b"", AT_REST
+            if self.driver == asked.by.gid:
+                self.driver, self.stands = b"", AT_REST
         elif self._denied is not None:
             self._report(asked.by.gid, publisher, self._denied)
         elif not publisher.rested:
             self._report(asked.by.gid, publisher, Reason("rest_first", f"it goes on: {_rest(asked)} must come first"))
-        elif self._driver not in {b"", asked.by.gid}:
+        elif self.driver not in {b"", asked.by.gid}:
             self._report(asked.by.gid, publisher, Reason("held", "another publisher in ROS drives the robot"))
         else:
-            self._driver, publisher.motion = asked.by.gid, asked.motion
+            self.driver, publisher.motion = asked.by.gid, asked.motion
 
     def command(self, now: float, ttl_s: float) -> TwistCommand | JointsCommand | None:
         """Return the motion to follow; None if the robot must stand, for the reason `stands`.
 
         A trajectory is sent once, so the silence of its publisher is not an end.
         """
-        driver = self._publishers.get(self._driver)
+        driver = self._publishers.get(self.driver)
         if driver is None or driver.motion is None:
             return None
         if isinstance(driver.motion, Way):
@@ -135,27 +131,22 @@ class Driving:
             return None
         return self._limited(driver.motion, ttl_s)
 
-    @property
-    def stands(self) -> Reason:
-        """Return why the robot must stand."""
-        return self._stands
-
     def finish(self) -> None:
         """Note the planned end of the motion; its publisher may begin again."""
-        gid, self._driver, self._stands = self._driver, b"", AT_REST
+        gid, self.driver, self.stands = self.driver, b"", AT_REST
         if (publisher := self._publishers.get(gid)) is not None:
             publisher.rest()
 
     def end(self, why: Reason) -> None:
         """End the motion; its publisher must rest before it moves the robot again."""
-        gid, self._driver, self._stands = self._driver, b"", why
+        gid, self.driver, self.stands = self.driver, b"", why
         if (publisher := self._publishers.get(gid)) is not None:
             publisher.lose()
             self._report(gid, publisher, why)
 
     def leave(self, gid: bytes, why: Reason) -> None:
         """Note that a publisher is gone; if it comes back, as through a new router, it must rest first."""
-        if gid == self._driver:
+        if gid == self.driver:
             self.end(why)
         elif (publisher := self._publishers.get(gid)) is not None:
             publisher.lose()
@@ -175,7 +166,7 @@ class Driving:
         self._publishers.move_to_end(gid)
         while len(self._publishers) > MOST_PUBLISHERS:
             oldest = next(iter(self._publishers))
-            if oldest == self._driver:
+            if oldest == self.driver:
                 self.end(Reason("busy", "too many publish there"))
             self._publishers.pop(oldest)
         return publisher
@@ -194,7 +185,7 @@ class Driving:
         return asked.motion.trouble
 
     def _refuse(self, gid: bytes, publisher: Publisher, why: Reason) -> None:
-        if gid == self._driver:
+        if gid == self.driver:
             self.end(why)
         else:
             publisher.lose()

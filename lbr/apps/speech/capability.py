@@ -46,7 +46,8 @@ class Speech(Capability[SpeechSettings]):
         self._publish_at = 0.0
         self._home = Path(ctx.home)
         self._scratch = self._home / "run" / f"{ctx.robot}-{ctx.name}"
-        self._writer = Writer(Worker(ctx.clock), self._jobs, self._scratch, self._home, ctx.settings)
+        self._worker = Worker(ctx.clock)
+        self._writer = Writer(self._worker, self._jobs, self._scratch, self._home, ctx.settings)
         self._decoder = Decoder(self._jobs, self._scratch, ctx.clock)
 
     def open(self) -> None:
@@ -177,8 +178,8 @@ class Speech(Capability[SpeechSettings]):
 
     def _why_not(self, job: Job) -> str:
         speaker = self._opened()
-        if job.sound is None and job.source is None and self._writer.trouble:
-            return self._writer.trouble
+        if job.sound is None and job.source is None and self._worker.trouble:
+            return self._worker.trouble
         return speaker.trouble if job.keep is None else ""
 
     def _written(self, job: Job, why: str) -> None:
@@ -219,9 +220,9 @@ class Speech(Capability[SpeechSettings]):
             self._forget(dropped := self._jobs.clear())
             for job in dropped:
                 self._fail(job, speaker.trouble)
-        while self._writer.trouble and (unwritten := self._jobs.to_write()) is not None:
+        while self._worker.trouble and (unwritten := self._jobs.to_write()) is not None:
             self._jobs.drop(unwritten)
-            self._fail(unwritten, self._writer.trouble)
+            self._fail(unwritten, self._worker.trouble)
 
     def _fail(self, job: Job, why: str) -> None:
         self._failed += 1
@@ -237,7 +238,7 @@ class Speech(Capability[SpeechSettings]):
 
     def _greet(self) -> None:
         """Once engine and speaker work: speak the greeting, and synthesise the farewell in advance."""
-        if self._greeted or not self._writer.ready or not self._opened().proven:
+        if self._greeted or not self._worker.idle or not self._opened().proven:
             return
         self._greeted = True
         if self.ctx.settings.greets:
@@ -269,13 +270,13 @@ class Speech(Capability[SpeechSettings]):
             self.ctx.publish("state", state)
 
     def _what_is_missing(self) -> Iterator[str]:
-        speaker, writer = self._opened(), self._writer
+        speaker, worker = self._opened(), self._worker
         if not speaker.proven:
             yield speaker.trouble or "the speaker is being tried"
-        if writer.trouble or not writer.started:
-            yield writer.trouble or "the speech engine is starting"
-        elif writer.note:
-            yield writer.note
+        if worker.trouble or not worker.started:
+            yield worker.trouble or "the speech engine is starting"
+        elif self._writer.note:
+            yield self._writer.note
 
     def _state(self, reason: str) -> SpeechState:
         saying, device = self._current, self.ctx.device

@@ -35,21 +35,6 @@ class Writer:
         self._job: Job | None = None
         self._count = 0
 
-    @property
-    def trouble(self) -> str:
-        """Return why there is no engine now, or an empty string."""
-        return self._worker.trouble
-
-    @property
-    def started(self) -> bool:
-        """Return whether there is an engine."""
-        return self._worker.started
-
-    @property
-    def ready(self) -> bool:
-        """Return whether an idle engine is there."""
-        return self._worker.idle
-
     def poll(self) -> list[tuple[Job, str]]:
         """Return the job that ended and its error, or an empty string; a text hushed meanwhile is dropped."""
         answer = self._worker.poll()

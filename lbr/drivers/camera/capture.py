@@ -39,11 +39,11 @@ class Capture:
         self._open_source = open_source
         self._wake = wake
         self._fps = fps
-        self._rests = self._pace_is_rest = False
+        self.rests = self._pace_is_rest = False
         self._kept_at = 0.0
         self._slot: deque[Picture] = deque(maxlen=1)
         self._over = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
-        self._stopping = False
+        self.stopping = False
         self._thread = threading.Thread(target=self._run, name="capture", daemon=True)
         self._thread.start()
 
@@ -55,25 +55,15 @@ class Capture:
 
     def stop(self) -> None:
         """Ask the thread to close the camera; `ended` is true afterwards."""
-        if not self._stopping:
-            self._stopping = True
+        if not self.stopping:
+            self.stopping = True
             os.eventfd_write(self._over, 1)
 
     def rest(self, *, rests: bool) -> None:
         """Reduce the rate of pictures, or restore it."""
-        if rests != self._rests and not self._stopping:
-            self._rests = rests
+        if rests != self.rests and not self.stopping:
+            self.rests = rests
             os.eventfd_write(self._over, 1)
-
-    @property
-    def rests(self) -> bool:
-        """Return whether the rate is reduced."""
-        return self._rests
-
-    @property
-    def stopping(self) -> bool:
-        """Return whether `stop` was called."""
-        return self._stopping
 
     def join(self, timeout_s: float) -> None:
         """Wait for the thread to end, then free its resources."""
@@ -84,7 +74,7 @@ class Capture:
 
     def _run(self) -> None:
         retry_s = RETRY_FIRST_S
-        while not self._stopping:
+        while not self.stopping:
             began = time.monotonic()
             try:
                 self._stream(self._open_source())
@@ -92,7 +82,7 @@ class Capture:
                 self._tell("lost", str(err))
             if time.monotonic() - began > STEADY_S:
                 retry_s = RETRY_FIRST_S
-            if select.select([self._over], [], [], 0.0 if self._stopping else retry_s)[0]:
+            if select.select([self._over], [], [], 0.0 if self.stopping else retry_s)[0]:
                 os.eventfd_read(self._over)
             retry_s = min(retry_s * 2, RETRY_MOST_S)
         self.ended = True
@@ -102,7 +92,7 @@ class Capture:
         self._pace_is_rest = False
         try:
             arrived_s, allowed_s = time.monotonic(), FIRST_S
-            while not self._stopping:
+            while not self.stopping:
                 self._set_pace(source)
                 left_s = allowed_s - (time.monotonic() - arrived_s)
                 readable, _, _ = select.select([source.fileno(), self._over], [], [], max(0.0, left_s))
@@ -117,22 +107,22 @@ class Capture:
             source.close()
 
     def _pace(self) -> float:
-        return min(self._fps, REST_FPS) if self._rests else self._fps
+        return min(self._fps, REST_FPS) if self.rests else self._fps
 
     def _set_pace(self, source: Source) -> None:
-        if self._pace_is_rest != self._rests:
-            self._pace_is_rest = self._rests
+        if self._pace_is_rest != self.rests:
+            self._pace_is_rest = self.rests
             source.pace(self._pace())
 
     def _keep(self, pictures: list[Picture]) -> bool:
         """Keep the newest picture unless it is old; return whether there was a usable one."""
         good = [whole for picture in pictures if (whole := usable(picture))]
         now = time.monotonic()
-        if good and self._rests and self.phase == "streaming" and now - self._kept_at < 0.9 / REST_FPS:
+        if good and self.rests and self.phase == "streaming" and now - self._kept_at < 0.9 / REST_FPS:
             return True
         fresh = [picture for picture in good[-1:] if now - picture.taken_s <= OLDEST_S]
         self.dropped += len(pictures) - len(fresh)
-        if fresh and not self._stopping:
+        if fresh and not self.stopping:
             self._kept_at = now
             self.dropped += len(self._slot)
             self._slot.append(fresh[0])

@@ -75,28 +75,23 @@ class Silence:
 
     def __init__(self, patience_s: float) -> None:
         self._patience_s = patience_s
-        self._waiting = False
+        self.watched = False
         self._since = self._at = 0.0
         self._counted = self._by_main = 0.0
         self._before: Mapping[int, Thread] | None = None
 
-    @property
-    def watched(self) -> bool:
-        """Return whether beats are expected."""
-        return self._waiting
-
     def beat(self, now: float) -> None:
         """Note that the main loop runs."""
-        self._waiting, self._since, self._at, self._before = True, now, now, None
+        self.watched, self._since, self._at, self._before = True, now, now, None
         self._counted = self._by_main = 0.0
 
     def rest(self) -> None:
         """Expect no more beats until the next one."""
-        self._waiting = False
+        self.watched = False
 
     def hangs(self, now: float, look: Callable[[], Mapping[int, Thread]], main: int) -> bool:
         """Return whether it hangs; to be called about twice a second, as longer gaps are not counted."""
-        if not self._waiting or now - self._since < SUSPICIOUS_S:
+        if not self.watched or now - self._since < SUSPICIOUS_S:
             return False
         threads = look()
         elapsed = now - self._at

@@ -2,9 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
-from math import degrees, inf
-
-from msgspec.structs import replace
+from math import degrees
 
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
@@ -84,10 +82,6 @@ class HumanoidPhysics:
         return {servo(name, number): drive for name, bus in self._buses for number, drive in bus.drives(now).items()}
 
 
-SAME_POSE_S = 0.5
-"""The interval of reports for a robot that does not move."""
-
-
 class HumanoidWorld(SimulatedWorld[HumanoidWorldSettings]):
     """A body on a floor; publishes its pose."""
 
@@ -96,23 +90,17 @@ class HumanoidWorld(SimulatedWorld[HumanoidWorldSettings]):
         self._engine: HumanoidEngine | None = None
         self._physics: HumanoidPhysics | None = None
         self._was: HumanoidPose | None = None
-        self._still: HumanoidPose | None = None
-        self._posed_at = -inf
 
     def open(self) -> None:
         """Put the body at its start, plug the twins in and start time."""
-        self._was = self._still = None
+        self._was = None
         engine = self._engine = HumanoidEngine(self.ctx.settings, self.ctx.rows(Joint), self.ctx.home)
         self._physics = self.begin(engine, partial(HumanoidPhysics, engine), mounts=engine.body.cameras)
 
     def tell_pose(self, now: float) -> None:
         """Publish the pose, less often while nothing moves, and report what a bystander would see."""
-        physics, _ = self._running()
-        pose = physics.pose
-        still = replace(pose, supply_v=0.0, time_s=0.0)  # these two never stand still
-        if still != self._still or now - self._posed_at >= SAME_POSE_S:
-            self._still, self._posed_at = still, now
-            self.ctx.publish("pose", pose)
+        pose = self._running()[0].pose
+        self.publish_pose(pose, now, supply_v=0.0, time_s=0.0)
         self._tell(pose)
 
     def command(self, call: Call) -> None:

@@ -77,7 +77,7 @@ def test_hush_ends_what_is_said_and_what_waits_and_leaves_nothing(bench):
     assert found.ask(HushCommand()).accepted
     assert not found.state.speaking
     assert found.state.queued == 0
-    found.until(lambda: found.speech._writer.ready)
+    found.until(lambda: found.speech._worker.idle)
     assert scratch(found) == []
     assert found.ask(HushCommand()).reason == "nothing was being spoken"
 

@@ -51,17 +51,12 @@ class MainBoard:
         self._line = ServoLine(self.row, self.servos, self._replies)
         self._player: Player | None = None
         self._by_remote = False
-        self._mode: Mode = "normal"
+        self.mode: Mode = "normal"
         self._taken_at: float | None = None
         self._since = 0.0
         self._host_free = 0.0
         self._supplied, self._off = True, False
         self.faults = self._faults
-
-    @property
-    def mode(self) -> Mode:
-        """Return its mode."""
-        return self._mode
 
     @property
     def faults(self) -> Uxa90Faults:
@@ -82,7 +77,7 @@ class MainBoard:
     def feed(self, data: bytes, now: float, baud: float | None = None) -> bytes:
         """Receive bytes that the host sends at a rate; return the bytes that have reached the host so far."""
         answers = self.poll(now)
-        if self._mode == "off" or (baud and abs(baud - self.row.baud) > 0.03 * self.row.baud):
+        if self.mode == "off" or (baud and abs(baud - self.row.baud) > 0.03 * self.row.baud):
             return answers
         begin = max(now, self._host_free)
         self._host_free = begin + len(data) * self._byte_s
@@ -100,11 +95,11 @@ class MainBoard:
     def poll(self, now: float) -> bytes:
         """Return the bytes that have reached the host so far."""
         self._until(now)
-        return self._replies.due(now) if self._mode != "off" else b""
+        return self._replies.due(now) if self.mode != "off" else b""
 
     def next_due(self) -> float | None:
         """Return the time of its next output or action."""
-        if self._mode == "off":
+        if self.mode == "off":
             return None
         played = self._player.next_at if self._player is not None else None
         given = (self._replies.next_due(), played, self._taken_at, self._killed_at())
@@ -130,9 +125,9 @@ class MainBoard:
     def press(self, slot: int, now: float) -> bool:
         """Press a button of the remote control; return whether it begins a motion."""
         self._until(now)
-        if self._mode == "off" or self.playing is not None:
+        if self.mode == "off" or self.playing is not None:
             return False
-        self.last_button, self._mode, self._taken_at = slot, "normal", None
+        self.last_button, self.mode, self._taken_at = slot, "normal", None
         if slot == POWER_OFF:
             self._off = True
             self._power(on=False)
@@ -169,7 +164,7 @@ class MainBoard:
         self._taken_at = at + self.row.settle_ms * 1e-3
 
     def _remote(self, slot: int, at: float) -> None:
-        if self.playing is None and not self.press(slot, at) and self._mode != "off":
+        if self.playing is None and not self.press(slot, at) and self.mode != "off":
             self._report(slot, at)
 
     def _report(self, slot: int, at: float) -> None:
@@ -188,13 +183,13 @@ class MainBoard:
     # Packets for servos.
 
     def _pass_on(self, packet: Packet, at: float) -> None:
-        if self._mode != "pc" or self.playing is not None:
+        if self.mode != "pc" or self.playing is not None:
             return
         data = packet.data
         if data[:2] == bytes((0xE0, _PLAY)):
             self._play(data[3], at, by_remote=False)
         elif data[:2] == bytes((0xE0, _LEAVE)):
-            self._mode = "normal"
+            self.mode = "normal"
         else:
             self._line.take(packet, at)
 
@@ -202,7 +197,7 @@ class MainBoard:
 
     def _play(self, slot: int, at: float, *, by_remote: bool) -> bool:
         programme = self.programmes.get(slot)
-        if programme is None or self._mode == "off":
+        if programme is None or self.mode == "off":
             return False
         self.playing, self._by_remote = slot, by_remote
         self._player = Player(programme, {servo.number: servo.counts for servo in self.servos}, at)
@@ -217,12 +212,12 @@ class MainBoard:
         while self._player is not None and self._player.next_at <= now:
             self._on_the_way(self._player)
         if self._taken_at is not None and self._taken_at <= now:
-            self._mode, at = "pc", self._taken_at
+            self.mode, at = "pc", self._taken_at
             self._taken_at, self._since = None, at
             self._replies.frame(framed(CONTROL, _PLATFORM, b"\x01"), at)
         killed = self._killed_at()
         if killed is not None and killed <= now:
-            self._mode = "normal"
+            self.mode = "normal"
         for servo in self.servos:
             servo.advance(now)
 
@@ -247,10 +242,10 @@ class MainBoard:
     # Power.
 
     def _power(self, *, on: bool) -> None:
-        if on == (self._mode != "off"):
+        if on == (self.mode != "off"):
             self._power_servos(self.servos, on=on)
             return
-        self._mode, self._taken_at, self.last_button = "normal" if on else "off", None, 0
+        self.mode, self._taken_at, self.last_button = "normal" if on else "off", None, 0
         self._stop_playing()
         self._reader.forget()
         self._replies.clear()
@@ -261,7 +256,7 @@ class MainBoard:
             servo.power(on=on and servo.number not in self._faults.dead)
 
     def _killed_at(self) -> float | None:
-        return self._since + KILLED_S if self._mode == "pc" and self._faults.kills_pc else None
+        return self._since + KILLED_S if self.mode == "pc" and self._faults.kills_pc else None
 
     def _servo(self, number: int) -> SamServo:
         sits = self.programmes[SITTING].ends_at() if SITTING in self.programmes else {}

@@ -45,7 +45,7 @@ class SamServo:
         self.felt = ServoFelt(position_rad=as_rad(counts))
         self._nominal = NOMINAL_ZEROS.get(number, MIDDLE)
         self.zero = self._nominal if zero is None else zero
-        self._powered = True
+        self.powered = True
         self._level: int | None = None
         self._goal_rad = 0.0
         self._way_rps: float | None = None
@@ -60,9 +60,9 @@ class SamServo:
 
     def power(self, *, on: bool) -> None:
         """Switch its supply; without it the servo is limp, and loses all values that are not saved."""
-        if on == self._powered:
+        if on == self.powered:
             return
-        self._powered = on
+        self.powered = on
         self.registers.boot()
         self.release()
 
@@ -102,11 +102,6 @@ class SamServo:
         self._drive = None
 
     # Its reports.
-
-    @property
-    def powered(self) -> bool:
-        """Return whether it has a supply."""
-        return self._powered
 
     @property
     def driven(self) -> bool:
@@ -166,7 +161,7 @@ class SamServo:
         self._braked, self._drive = False, None
 
     def _meant(self) -> ServoDrive:
-        if not self._powered or (self._level is None and not self._braked):
+        if not self.powered or (self._level is None and not self._braked):
             return _LIMP
         if self._level is None:
             return _BRAKE

@@ -53,7 +53,7 @@ class AxServo:
         reg.put_word(self._table, reg.GOAL, as_position(position_rad))
         self._eeprom_s = eeprom_s
         self._goal_switches_on = goal_switches_on
-        self._powered = True
+        self.powered = True
         self._hot = self._strained = self._overloaded = False
         self._full_since: float | None = None
         self._registered: bytes | None = None
@@ -85,19 +85,14 @@ class AxServo:
         """Return the delay in its register."""
         return self._table[reg.RETURN_DELAY] * 2e-6
 
-    @property
-    def powered(self) -> bool:
-        """Return whether it has power."""
-        return self._powered
-
     def power(self, *, on: bool) -> None:
         """Switch its supply; without it, only the EEPROM keeps its values."""
-        if on and not self._powered:
+        if on and not self.powered:
             reg.boot(self._table)
             reg.put_word(self._table, reg.GOAL, as_position(self.felt.position_rad))
             self._registered = self._full_since = None
             self._overloaded = False
-        self._powered = on
+        self.powered = on
         self._drive = None
 
     def suffer(self, *, hot: bool = False, strained: bool = False) -> None:
@@ -261,7 +256,7 @@ class AxServo:
     def _meant(self) -> ServoDrive:
         table = self._table
         speed = reg.word(table, reg.SPEED) & 0x3FF
-        on = self._powered and table[reg.TORQUE] and not self._wheel()
+        on = self.powered and table[reg.TORQUE] and not self._wheel()
         return ServoDrive(
             goal_rad=(reg.word(table, reg.GOAL) - MIDDLE) * STEP_RAD,
             speed_rps=speed * SPEED_RPS if speed else None,
