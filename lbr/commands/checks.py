@@ -3,6 +3,7 @@
 import grp
 import importlib.util
 import os
+import re
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
@@ -74,12 +75,8 @@ def _python() -> Iterator[Finding]:
 
 def _packages() -> Iterator[Finding]:
     missing = []
-    for requirement in metadata.requires("lbr") or ():
-        if ";" in requirement:
-            continue
-        name = requirement.split(";")[0]
-        for mark in "<>=!~[ ":
-            name = name.split(mark)[0]
+    for requirement in (one for one in metadata.requires("lbr") or () if ";" not in one):
+        name = re.split(r"[<>=!~\[ ]", requirement)[0]
         try:
             metadata.version(name)
         except metadata.PackageNotFoundError:

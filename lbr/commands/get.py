@@ -11,15 +11,15 @@ from msgspec import Struct
 from lbr import home
 from lbr.capability import registry
 from lbr.commands.completing import complete_setting
-from lbr.commands.options import complete_robot, database_option, json_option, print_json
+from lbr.commands.options import complete_robot, database_option, json_option, print_json, refuse_unknown
 from lbr.commands.rows import opened, running_here
-from lbr.commands.set import meant, parted, refuse_unknown
+from lbr.commands.set import meant, parted
 from lbr.database.rows import CapabilityRow
 from lbr.errors import InputError, LbrError
 from lbr.messages.plain import one_line
 from lbr.messages.rows import short
 from lbr.messages.schema import JsonObject
-from lbr.names import near
+from lbr.names import did_you_mean
 
 
 class Setting(Struct, frozen=True):
@@ -79,9 +79,7 @@ def _of(row: CapabilityRow) -> Iterator[Setting]:
 def _chosen(part: str, name: str, settings: Iterable[Setting]) -> Setting:
     by_name = {entry.setting: entry for entry in settings}
     if name not in by_name:
-        close = near(name, sorted(by_name))
-        hint = f"did you mean '{close[0]}'?" if close else f"'lbr get {part}' lists them"
-        raise InputError(f"{short(part)} has no setting '{short(name)}'; {hint}", "unknown_name")
+        raise InputError(f"{short(part)} has no setting '{short(name)}'; {did_you_mean(name, by_name)}", "unknown_name")
     return by_name[name]
 
 

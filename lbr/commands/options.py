@@ -2,7 +2,7 @@
 
 import errno
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import wraps
 from math import isnan
 from pathlib import Path
@@ -13,7 +13,10 @@ import msgspec
 from click.shell_completion import CompletionItem
 
 from lbr import home
+from lbr.errors import InputError
 from lbr.executive.planning import profile
+from lbr.messages.rows import short
+from lbr.names import did_you_mean
 from lbr.robot import registry
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -100,6 +103,14 @@ def json_option(function: F) -> F:
 def print_json(value: object) -> None:
     """Print a value as one line of JSON."""
     click.echo(msgspec.json.encode(value).decode())
+
+
+def refuse_unknown(part: str, names: Iterable[object], robot: str) -> None:
+    """Raise InputError if a robot has no part of this name."""
+    there = set(map(str, names))
+    if part not in there:
+        hint = did_you_mean(part, there)
+        raise InputError(f"'{short(robot)}' has no part '{short(part)}'; {hint}", "unknown_name")
 
 
 def complete_running(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:

@@ -16,23 +16,20 @@ ANSWER_S = 3.0
 
 def power(root: Path = MACHINE, booted: Path = BOOTED, bus: str = "") -> Iterator[Finding]:
     """Check the rule and ask logind, as this user; skipped without a robot that watches its supply."""
-    if not booted.exists() or not (_robots() or unitfiles.extras_of(root).power_off):
+    if not booted.exists() or not (_watches() or unitfiles.extras_of(root).power_off):
         return
     yield _rule(root)
     yield _logind(bus)
 
 
-def _robots() -> list[str]:
-    """Return the robots of this home that watch their supply."""
+def _watches() -> bool:
+    """Return whether a robot of this home watches its supply."""
     path = home.default_database()
     if not path.exists():
-        return []
+        return False
     with opened(path) as rows:
-        return [
-            name
-            for name in rows.robots()
-            if any(row.kind == KIND and row.enabled for row in rows.load(name).capabilities)
-        ]
+        parts = (row for name in rows.robots() for row in rows.load(name).capabilities)
+        return any(row.kind == KIND and row.enabled for row in parts)
 
 
 def _rule(root: Path) -> Finding:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lbr.commands.completing import complete_setting
+from lbr.commands.options import refuse_unknown
 from lbr.commands.row_past import Changing, change_options, tell
 from lbr.commands.row_touched import Touching, change_rows
 from lbr.commands.rows import opened, robot_in, running_here
@@ -16,7 +17,6 @@ from lbr.database.reading import RawTables
 from lbr.database.tables import Schema
 from lbr.errors import InputError
 from lbr.messages.rows import short
-from lbr.names import near
 
 if TYPE_CHECKING:
     from lbr.database.store import Database
@@ -62,15 +62,6 @@ def meant(rows: "Database", robot: str | None, running: Iterable[str]) -> str:
     """Return the robot that is meant: the named one, the only one that runs from these rows, or the default one."""
     here = list(running)
     return robot_in(rows, robot or (here[0] if len(here) == 1 else None))
-
-
-def refuse_unknown(part: str, names: Iterable[object], robot: str) -> None:
-    """Raise InputError if a robot has no part of this name."""
-    there = sorted(map(str, names))
-    if part not in there:
-        close = near(part, there)
-        hint = f"did you mean '{close[0]}'?" if close else "'lbr get' lists them"
-        raise InputError(f"'{short(robot)}' has no part '{short(part)}'; {hint}", "unknown_name")
 
 
 def _read(value: str) -> Any:

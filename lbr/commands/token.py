@@ -100,7 +100,7 @@ def list_tokens(database: Path | None, as_json: bool) -> int:
     with _opened(database) as rows:
         listed_tokens = rows.tokens()
     if as_json:
-        fields = ("name", "role", "good_for", "created_at", "expires_at", "revoked_at", "paired_from")
+        fields = ("name", "role", "good_for", "created_at", "expires_at", "revoked_at", "paired_from", "called")
         print_json(
             [{field: getattr(token, field) for field in fields} | {"state": state_of(token)} for token in listed_tokens]
         )
@@ -111,6 +111,7 @@ def list_tokens(database: Path | None, as_json: bool) -> int:
             f"{token.name:<{width}}  {token.role:<8}{token.good_for:<5}{state_of(token):<9}"
             f"since {token.created_at}{until_of(token)}"
             + (f", paired from {token.paired_from}" if token.paired_from else "")
+            + (f", called {token.called}" if token.called else "")
         )
     return 0
 
