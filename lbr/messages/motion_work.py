@@ -37,11 +37,13 @@ class BalanceReport(Struct, frozen=True, kw_only=True):
     """The verdict on a motion: does it leave the simulated body on its feet?
 
     `falls_s` and `falls_frame` are the moment when it leant too far to recover, null: it did not. `begins`: it stood by
-    itself in the first pose of the motion. `least_mm` is the least margin of the motion, at `least_s`.
+    itself in the first pose; otherwise no more is known. `led`: it did not stand in `start`, and was led into the first
+    key frame, as by a hand. `least_mm` is the least margin of the motion, at `least_s`.
     """
 
     stands: bool
     begins: bool
+    led: bool = False
     duration_s: float
     least_mm: int | None = None
     least_s: float | None = None

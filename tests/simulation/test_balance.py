@@ -41,6 +41,20 @@ def test_a_body_begins_where_it_is_on_its_soles(start):
     assert min(one.margin_mm for one in report.trace) > 20
 
 
+def test_a_motion_is_judged_from_its_first_key_frame_where_the_robot_does_not_stand_now():
+    """Picked up, it has the joints of its fall; the hand that holds it leads it into the motion."""
+    standing, fallen = frame(**dict.fromkeys(SIT, 0.0)), {"left_hip_pitch": 1.5, "right_hip_pitch": 1.5}
+    report = checked("uxa90", standing, frame(right_elbow=-0.5), start=fallen)
+    assert (report.led, report.begins, report.stands, report.falls_s) == (True, True, True, None)
+    assert (checked("uxa90", standing, start={}).led, checked("uxa90", standing, start=SIT).led) == (False, False)
+
+
+def test_of_a_motion_that_does_not_stand_where_it_begins_no_fall_is_told():
+    bent = frame(left_hip_pitch=1.5, right_hip_pitch=1.5)
+    report = checked("uxa90", bent, start=bent.positions)
+    assert (report.stands, report.begins, report.falls_s, report.trace) == (False, False, None, ())
+
+
 @pytest.mark.parametrize("name", ["sit", "walk_ahead"])
 def test_a_motion_that_comes_with_a_robot_leaves_it_upright(name):
     known = {one.name: one for one in JointedRobot("bioloid").motions}

@@ -59,11 +59,12 @@ class Balance:
         self._trace: list[BalanceSample] = []
         self._origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
         self._fell: BalanceSample | None = None
-        self.report = BalanceReport(stands=False, begins=False, duration_s=duration_s)
+        self.report = BalanceReport(stands=False, begins=False, duration_s=duration_s, body=settings.model)
 
     def play(self) -> Iterator[float]:
-        """Stand up in the first pose, play the motion, and watch the result."""
-        begins = self._begin()
+        """Stand up in the first pose; if it stands there, play the motion, and watch the result."""
+        if not self._begin():
+            return
         self._origin = self._place()
         end_s = self._duration_s + AFTER_S
         begun_s, sampled_s, told_s = self._engine.time_s, -1.0, 0.0
@@ -77,7 +78,7 @@ class Balance:
             if t - told_s >= TELL_S:
                 told_s = t
                 yield min(0.99, t / end_s)
-        self.report = self._judged(begins=begins)
+        self.report = self._judged()
 
     def _begin(self) -> bool:
         """Put it on the floor in its first pose, and let it come to rest; return whether it stands by itself.
@@ -168,13 +169,13 @@ class Balance:
             whole += float(force[0])
         return middle / whole if whole > 1e-6 else None
 
-    def _judged(self, *, begins: bool) -> BalanceReport:
+    def _judged(self) -> BalanceReport:
         standing = [one for one in self._trace if one.margin_mm is not None and not _after(one, self._fell)]
         least = min(standing, key=lambda one: one.margin_mm or 0, default=None)
         fell = self._fell
         return BalanceReport(
-            stands=begins and fell is None,
-            begins=begins,
+            stands=fell is None,
+            begins=True,
             duration_s=round(self._duration_s, 2),
             least_mm=least.margin_mm if least is not None else None,
             least_s=least.t_s if least is not None else None,

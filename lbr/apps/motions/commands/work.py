@@ -99,24 +99,30 @@ def _checked(job: CheckJob) -> Iterator[Said]:
     if unknown := sorted({name for frame in frames for name in frame.positions} - set(joints)):
         raise InputError(f"there is no joint '{unknown[0]}' here", "unknown_name")
     start = {name: _within(joint, job.start.get(name, 0.0)) for name, joint in joints.items()}
-    frames = _reached(start, frames, joints)
-    way = trajectory.plan(start, frames, {name: joint.speed_rps for name, joint in joints.items()}, job.interpolation)
-    if not way.duration_s <= LONGEST_CHECK_S:
-        text = f"it takes {way.duration_s:.0f} s, and {LONGEST_CHECK_S:.0f} s is the most that is checked at once"
-        raise InputError(text, "bad_value")
-    before, last = len(job.lead_in), len(job.frames)
-    balance = Balance(
-        _world(job),
-        job.joints,
-        job.home,
-        goals=lambda t: {**start, **trajectory.positions(way, t)},
-        duration_s=way.duration_s,
-        frame=lambda t: max(0, min(last, trajectory.passed(way, t) + 1 - before)),
-    )
-    begun = time.monotonic()
-    for part in balance.play():
-        yield Progress(part=round(part, 3))
-    yield Checked(report=replace(balance.report, took_s=round(time.monotonic() - begun, 2)))
+    speeds, world = {name: joint.speed_rps for name, joint in joints.items()}, _world(job)
+    before, last, begun = len(job.lead_in), len(job.frames), time.monotonic()
+
+    def balance(start: dict[str, float]) -> Balance:
+        way = trajectory.plan(start, _reached(start, frames, joints), speeds, job.interpolation)
+        if not way.duration_s <= LONGEST_CHECK_S:
+            text = f"it takes {way.duration_s:.0f} s, and {LONGEST_CHECK_S:.0f} s is the most that is checked at once"
+            raise InputError(text, "bad_value")
+        return Balance(
+            world,
+            job.joints,
+            job.home,
+            goals=lambda t: {**start, **trajectory.positions(way, t)},
+            duration_s=way.duration_s,
+            frame=lambda t: max(0, min(last, trajectory.passed(way, t) + 1 - before)),
+        )
+
+    for pose in (start, {**start, **frames[0].positions}):
+        tried = balance(pose)
+        for part in tried.play():
+            yield Progress(part=round(part, 3))
+        if tried.report.begins:
+            break
+    yield Checked(report=replace(tried.report, led=pose is not start, took_s=round(time.monotonic() - begun, 2)))
 
 
 def _within(joint: Joint, angle: float) -> float:

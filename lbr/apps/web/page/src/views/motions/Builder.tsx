@@ -10,7 +10,7 @@ import { estop } from "../../stopping";
 import { t } from "../../words";
 import { jointStreams, ownerOf, useJoints } from "../joints/hooks";
 import { jointNames, mirrored, type BodyModel } from "../joints/model";
-import { at as sampleAt, cancel, check, current, onSheet } from "./balance";
+import { at as sampleAt, cancel, check, current, onSheet, type Report } from "./balance";
 import { CheckCard } from "./Check";
 import type { MotionRow } from "./data";
 import { canRedo, canUndo, change, chosen, clip, copy, dirty, index, redo, sheet, undo } from "./desk";
@@ -90,12 +90,12 @@ export function Builder({ model, motions, player }: { model: BodyModel; motions:
   /** Plays what stands; what falls is asked about once more, and any touch in between, a stop above all, ends it. */
   const playChecked = async (): Promise<void> => {
     if (current.value?.why) return play();
-    if (current.value?.report) return current.value.report.stands ? play() : ask(true);
+    if (current.value?.report) return safe(current.value.report) ? play() : ask(true);
     const untouched = watchTouches();
     const found = await run();
     const calm = untouched();
     if (!found || !calm) return;
-    if (found.report && !found.report.stands) return ask(true);
+    if (found.report && !safe(found.report)) return ask(true);
     if (found.why) notice(t("motions.check.not", { why: found.why }), "info");
     if (!estop.value.engaged) checked.current();
   };
@@ -141,12 +141,14 @@ export function Builder({ model, motions, player }: { model: BodyModel; motions:
         title={t("motions.falls.title")} open={asks} onClose={() => ask(false)}
         actions={<><Button kind="quiet" autofocus onClick={() => ask(false)}>{t("dialog.cancel")}</Button><Button kind="danger" icon="play" onClick={() => { ask(false); play(); }}>{t("motions.falls.yes")}</Button></>}
       >
-        <p>{report?.falls_s != null ? t("motions.falls.text", { robot: model.robot, s: number(report.falls_s, 1), frame: report.falls_frame ?? 0 }) : t("motions.falls.begins", { robot: model.robot })}</p>
+        <p>{report?.falls_s != null ? t("motions.falls.text", { robot: model.robot, s: number(report.falls_s, 1), frame: report.falls_frame ?? 0 }) : t(report?.stands ? "motions.falls.led" : "motions.falls.begins", { robot: model.robot })}</p>
       </Dialog>
     </div>
   );
 }
 
+/** Whether it stands, from the pose that the robot has now. */
+const safe = (report: Report): boolean => report.stands && !report.led;
 const NARROW = matchMedia("(max-width: 1039.98px)");
 
 /** Whether the drawing and what turns its joints stand in one column. */

@@ -22,6 +22,7 @@ export function CheckCard({ sample, empty, onCheck }: { sample: Sample | null; e
 function Verdict({ report }: { report: Report }) {
   const facts = [
     report.least_mm == null || !report.stands ? "" : t("motions.check.least", { mm: number(report.least_mm), s: number(report.least_s ?? 0, 1) }),
+    report.led && report.begins ? t("motions.check.led") : "",
     t("motions.check.took", { s: number(report.duration_s, 1), took: number(report.took_s, 1) }),
   ].filter(Boolean);
   return (

@@ -10,7 +10,7 @@ import { upload } from "./upload";
 export type Spot = [number, number];
 export interface Sample { t_s: number; frame: number; tilt_rad: number; roll_rad: number; pitch_rad: number; mass: Spot; pressure?: Spot | null; support: Spot[]; margin_mm?: number | null }
 export interface Report {
-  stands: boolean; begins: boolean; duration_s: number; least_mm?: number | null; least_s?: number | null; falls_s?: number | null; falls_frame?: number | null; took_s: number; body: string; trace: Sample[];
+  stands: boolean; begins: boolean; led?: boolean; duration_s: number; least_mm?: number | null; least_s?: number | null; falls_s?: number | null; falls_frame?: number | null; took_s: number; body: string; trace: Sample[];
 }
 export interface Checking { of: string; part: number; report: Report | null; why: string }
 
