@@ -491,3 +491,16 @@ def test_a_robot_that_lies_is_shown_above_every_view_with_what_gets_it_up(opened
     expect(rises).to_be_visible()
     robot.fallen = ""
     expect(rises).to_have_count(0)
+
+
+@pytest.mark.parametrize("scrolled", [0, 5000])
+def test_no_alarm_lies_over_the_drawing_of_the_builder(building, robot, scrolled):
+    page = building({"viewport": {"width": 1280, "height": 800}}, STANDS)
+    robot.fallen = "face"
+    alarm = page.get_by_role("alert").filter(has_text="It has fallen")
+    expect(alarm).to_be_visible()
+    page.evaluate("y => window.scrollTo(0, y)", scrolled)
+    above, drawn = alarm.bounding_box(), page.locator(".motions-puppet").bounding_box()
+    assert above is not None
+    assert drawn is not None
+    assert above["y"] + above["height"] <= drawn["y"]

@@ -109,7 +109,7 @@ function Waiting() {
   return <div class="loading" role="status"><div class="pulse" />{t("shell.loading")}</div>;
 }
 
-/** Keeps the rest of the page clear of what this element covers: `--alarms` is how high it is. */
+/** Keeps the rest of the page clear of what this element covers: `--alarms` is how high it is, and `--head` where what stays in sight begins. */
 function useClearance(): Ref<HTMLDivElement> {
   const box = useRef<HTMLDivElement>(null);
   useLayoutEffect(() => {
