@@ -4,23 +4,25 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from lbr.messages.codes import ReasonCode
 from lbr.messages.units import Quaternion, TurnDeg, Vector
 
 
 class AttitudeState(Struct, frozen=True, kw_only=True):
     """The orientation of the robot's body (REP 103: x ahead, y left, z up; yaw anticlockwise from east).
 
-    `heading_deg`: clockwise from true north; null for the reason `heading_reason`. Then `yaw_rad` is null, too, and the
-    yaw in `orientation` (w, x, y, z, body to world) continues by gyro. `turned_deg`: the turn since `epoch` began,
-    clockwise positive, past 360 and without jumps; another `epoch` starts over. `gyro_bias_rps`: along the
-    body's axes. `magnetic`: the magnetometer is used now. `calibrated`: it was ever calibrated. `still`: the body does
-    not turn. `rests`: nor does the base drive; published twice a second. `measured_s`: monotonic time of its sample.
+    `heading_deg`: clockwise from true north; null for `heading_reason`, whose code is `code`. Then `yaw_rad` is null,
+    and yaw in `orientation` (w, x, y, z, body to world) continues by gyro. `turned_deg`: the turn since `epoch`
+    began, clockwise, past 360, without jumps; another `epoch` starts over. `gyro_bias_rps`: along the body's axes.
+    `magnetic`: the magnetometer is used now. `calibrated`: it was ever calibrated. `still`: the body does not turn.
+    `rests`: nor does the base drive; published twice a second. `measured_s`: monotonic time of its sample.
     """
 
     valid: bool
     epoch: str
     measured_s: float
     reason: str = ""
+    code: ReasonCode = ""
     orientation: Quaternion | None = None
     roll_rad: float | None = None
     pitch_rad: float | None = None

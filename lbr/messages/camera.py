@@ -33,6 +33,7 @@ class CameraState(Struct, frozen=True, kw_only=True):
     dropped: int = 0
     rests: bool = False
     reason: str = ""
+    code: ReasonCode = ""
 
 
 class SwitchCommand(Struct, frozen=True, kw_only=True):

@@ -208,4 +208,5 @@ class Camera(Capability[CameraSettings]):
             dropped=self._dropped_before + (capture.dropped if capture is not None else 0),
             rests=capture is not None and capture.rests,
             reason=capture.reason if capture is not None else "",
+            code="unreachable" if capture is not None and capture.reason else "",
         )

@@ -120,23 +120,19 @@ class Fusion:
         """Return the current state."""
         reason = self._reason(now)
         measured_s = self._last.time_s if self._last is not None else 0.0
+        known: dict[str, Any] = {"epoch": self.epoch, "measured_s": measured_s, "calibrated": self.calibration.known}
+        bias_rps = self._stillness.bias_rps
         if reason:
             return AttitudeState(
-                valid=False,
-                epoch=self.epoch,
-                measured_s=measured_s,
-                reason=reason,
-                heading_reason=reason,
-                gyro_bias_rps=self._stillness.bias_rps,
-                calibrated=self.calibration.known,
+                valid=False, reason=reason, code="stale_sensor", heading_reason=reason, gyro_bias_rps=bias_rps, **known
             )
         orientation = turned_about_up(self._quaternion(), -radians(self._settings.declination_deg))
         roll, pitch, yaw = to_euler(orientation)
         unknown = self._heading_unknown(measured_s)
+        code = "not_possible" if self.calibration.problem or unknown == NO_FIELD else "stale_sensor"
         return AttitudeState(
             valid=True,
-            epoch=self.epoch,
-            measured_s=measured_s,
+            code=code if unknown else "",
             orientation=orientation,
             roll_rad=roll,
             pitch_rad=pitch,
@@ -145,10 +141,10 @@ class Fusion:
             heading_reason=unknown,
             turned_deg=self._turned_deg,
             turn_rate_dps=self._rate_dps,
-            gyro_bias_rps=self._stillness.bias_rps,
+            gyro_bias_rps=bias_rps,
             still=self._stillness.still,
             magnetic=self._aligned and not self._field_trouble and not unknown,
-            calibrated=self.calibration.known,
+            **known,
         )
 
     def _reason(self, now: float) -> str:

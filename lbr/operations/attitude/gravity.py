@@ -6,6 +6,7 @@ It has the interface of `Fusion`, without heading and turned angle.
 
 from collections.abc import Mapping
 from math import asin, atan2, exp, isfinite
+from typing import Any
 
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.imu import ImuSample
@@ -73,19 +74,18 @@ class Gravity:
     def state(self, now: float) -> AttitudeState:
         """Return the current state."""
         measured_s, reason = self._measured_s or 0.0, self._reason(now)
+        known: dict[str, Any] = {"epoch": self.epoch, "measured_s": measured_s}
         if reason:
-            return AttitudeState(
-                valid=False, epoch=self.epoch, measured_s=measured_s, reason=reason, heading_reason=reason
-            )
+            return AttitudeState(valid=False, reason=reason, code="stale_sensor", heading_reason=reason, **known)
         x, y, z = self._up()
         return AttitudeState(
             valid=True,
-            epoch=self.epoch,
-            measured_s=measured_s,
             orientation=level((x, y, z)),
             roll_rad=atan2(y, z),
             pitch_rad=asin(max(-1.0, min(1.0, -x))),
+            code="not_possible",
             heading_reason=NO_GYRO,
+            **known,
         )
 
     def _up(self) -> Vector:

@@ -167,6 +167,7 @@ def test_without_a_magnetometer_the_turn_is_known_and_the_heading_is_not():
     assert state.turned_deg is not None
     assert state.orientation is not None
     assert (state.heading_deg, state.yaw_rad, state.heading_reason) == (None, None, NO_FIELD)
+    assert (state.reason, state.code) == ("", "not_possible")
 
 
 def test_a_disturbed_field_is_bridged_by_gyro_then_the_heading_is_unknown():
@@ -180,6 +181,7 @@ def test_a_disturbed_field_is_bridged_by_gyro_then_the_heading_is_unknown():
     assert lost.valid
     assert lost.heading_deg is None
     assert "disturbed" in lost.heading_reason
+    assert (bridged.code, lost.code) == ("", "stale_sensor")
     imu.hard_iron_ut = (0.0, 0.0, 0.0)
     assert apart_deg(feed(under_test, imu.run(0.5)).heading_deg, imu.heading_deg) < 2.0
 
@@ -214,6 +216,7 @@ def test_silence_is_invalid_and_the_turn_begins_anew():
     silent = under_test.state(imu.time_s + 0.25)
     assert not silent.valid
     assert "no sample" in silent.reason
+    assert silent.code == "stale_sensor"
     assert silent.turned_deg is silent.heading_deg is None
     imu.time_s += 0.3
     again = feed(under_test, imu.run(0.05))

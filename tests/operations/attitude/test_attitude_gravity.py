@@ -38,6 +38,7 @@ def test_roll_and_pitch_are_those_of_the_body_and_no_heading_is_claimed(roll_deg
     assert state.yaw_rad is None
     assert state.turned_deg is None
     assert state.heading_reason
+    assert state.code == "not_possible"
 
 
 def test_a_unit_that_sits_otherwise_is_turned():

@@ -12,7 +12,7 @@ export interface GoalResult {
 }
 export interface BatteryState { valid: boolean; reason?: string; voltage_v?: number | null; current_a?: number | null; charge?: number | null; charging?: boolean | null; level: string }
 export interface OdometryState { valid: boolean; epoch: string; reason?: string; x_m?: number | null; y_m?: number | null; yaw_rad?: number | null; distance_m?: number | null; speed_mps?: number | null; turn_rps?: number | null; stalled?: boolean; slipping?: boolean }
-export interface AttitudeState { valid: boolean; reason?: string; roll_rad?: number | null; pitch_rad?: number | null; yaw_rad?: number | null; heading_deg?: number | null; heading_reason?: string; calibrated?: boolean }
+export interface AttitudeState { valid: boolean; reason?: string; code?: string; roll_rad?: number | null; pitch_rad?: number | null; yaw_rad?: number | null; heading_deg?: number | null; heading_reason?: string; calibrated?: boolean }
 export interface CalibrationProgress { phase: "collecting" | "fitting" | "done" | "refused"; collected: number; wanted: number; coverage: number; text?: string }
 export interface Ranges { forward_m?: number | null; back_m?: number | null; left_m?: number | null; right_m?: number | null; bottom_m?: number | null; status: Record<string, string>; others_m?: Record<string, number | null> }
 export interface Scan { sensor: string; angle_min_rad: number; angle_increment_rad: number; range_min_m: number; range_max_m: number; ranges_m: (number | string | null)[] }
@@ -23,7 +23,7 @@ export interface CallState {
 }
 export interface DanceState { phase: "resting" | "dancing" | "ended"; song: string; dance: string; beat: number; beats: number; reason: string }
 export interface BoxState { recording: string; recording_s: number; recording_mb: number; kept: number; trouble: string }
-export interface CameraState { on: boolean; phase: string; width_px?: number | null; height_px?: number | null; fps?: number | null; frames?: number; reason?: string }
+export interface CameraState { on: boolean; phase: string; width_px?: number | null; height_px?: number | null; fps?: number | null; frames?: number; reason?: string; code?: string }
 export interface RangeSensor { name: string; kind: string; x_m?: number; y_m?: number; z_m?: number; yaw_rad?: number; pitch_rad?: number; fov_rad?: number; min_m?: number; max_m?: number; rays?: number; stop_m?: number | null }
 export interface Event { kind: string; subject: string; text: string; level?: "info" | "warning" | "error"; wall_ns?: number; code?: string; about?: string; data?: Record<string, unknown> }
 export interface CapabilityStatus {

@@ -1,6 +1,6 @@
 // One table: run, watched as a picture of its states and as a sheet, and edited while it runs.
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import { told } from "../../access";
+import { inWords, told } from "../../access";
 import { number, plain } from "../../format";
 import { status } from "../../live";
 import { notice } from "../../notices";
@@ -142,7 +142,7 @@ function useCame(at: string): string {
 function Progress({ run, of, mine, onPick }: { run: Run | null; of: string; mine: boolean; onPick: (name: string) => void }) {
   if (run === null || run.phase === "resting" || (run.table !== of && !run.called.includes(of))) return null;
   if (run.phase === "ended") {
-    return <p><Badge tone={run.good ? "good" : "warn"} icon={run.good ? "check" : "warn"}>{t(run.good ? "behaviours.ended.good" : "behaviours.ended.bad", { state: run.state, reason: run.reason })}</Badge></p>;
+    return <p><Badge tone={run.good ? "good" : "warn"} icon={run.good ? "check" : "warn"}>{t(run.good ? "behaviours.ended.good" : "behaviours.ended.bad", { state: run.state, reason: inWords(run) })}</Badge></p>;
   }
   if (!mine) return null;
   const inside = run.table !== of;

@@ -1,5 +1,6 @@
 // The compass: whether it is calibrated, and the turn on the spot that calibrates it.
 import { useState } from "preact/hooks";
+import { inWords } from "../../access";
 import { clock, useStream } from "../../live";
 import type { AttitudeState, CalibrationProgress } from "../../messages";
 import { Badge, Button, Card, Dialog } from "../../parts";
@@ -43,7 +44,7 @@ function Shown({ owner }: { owner: string }) {
       ) : (
         <>
           {over ? <p role="status" class="drive-calibrated" data-bad={over.phase === "refused" || undefined}><strong>{t(over.phase === "done" ? "compass.done" : "compass.failed")}</strong> <span class="muted">{over.text}</span></p>
-            : state?.heading_reason && <p class="muted">{state.heading_reason}</p>}
+            : state?.heading_reason && <p class="muted">{inWords({ code: state.code, reason: state.heading_reason })}</p>}
           <Button icon="turn" disabled={!may("operate")} onClick={() => ask(true)}>{t("compass.begin")}</Button>
         </>
       )}

@@ -1,6 +1,7 @@
 // What the robot sees: a camera, the map, or its surroundings, behind the heading.
 import { useState } from "preact/hooks";
 import { useSignal } from "@preact/signals";
+import { inWords } from "../../access";
 import { age as ageText } from "../../format";
 import { remember, remembered } from "../../kept";
 import { illness } from "../../lacking";
@@ -77,7 +78,7 @@ function Camera({ names }: { names: string[] }) {
   const on = state === null || state.message.on;
   return (
     <>
-      {ill ? <div class="drive-nopicture" role="status"><Icon name="camera" /><p>{t("drive.camera.none")}</p></div> : on ? <Shown name={name} /> : <div class="drive-nopicture"><Icon name="camera" /><p>{t("drive.camera.off")}</p><p class="muted">{state?.message.reason}</p></div>}
+      {ill ? <div class="drive-nopicture" role="status"><Icon name="camera" /><p>{t("drive.camera.none")}</p></div> : on ? <Shown name={name} /> : <div class="drive-nopicture"><Icon name="camera" /><p>{t("drive.camera.off")}</p><p class="muted">{inWords(state?.message ?? {})}</p></div>}
       {names.length > 1 && (
         <div class="drive-camera">
           <Choice label={t("drive.camera")} value={name} options={names.map((one) => ({ value: one, text: named(one.replace(PREFIX, "")) }))} onChange={pick} />

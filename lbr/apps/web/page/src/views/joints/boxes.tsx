@@ -1,5 +1,6 @@
 // What stands beside the joints: how the body lies, where its power comes from, and the guard that shuts it down in time.
 import { useState } from "preact/hooks";
+import { inWords } from "../../access";
 import { degrees, number, percent } from "../../format";
 import { Badge, Button, Card, Dialog, Field, Stale, type BadgeTone } from "../../parts";
 import { command, may, streamOfType } from "../../robot";
@@ -53,7 +54,7 @@ function Attitude({ stream, imu }: { stream: string; imu: string }) {
         ]} />
       </div>
       {imu && <div class="joints-imu"><Facts facts={[[t("joints.turning"), along(raw?.gyro_rps, 2)], [t("joints.pull"), along(raw?.accel_mps2, 1)]]} /></div>}
-      {state && (state.reason || state.heading_reason) && <p class="joints-reason">{state.reason || state.heading_reason}</p>}
+      {state && (state.reason || state.heading_reason) && <p class="joints-reason">{inWords({ code: state.code, reason: state.reason || state.heading_reason })}</p>}
     </Card>
   );
 }

@@ -1,5 +1,6 @@
 // The robot's cameras: what each sees, its privacy switch, and a picture to keep.
 import type { AllCSSProperties } from "preact";
+import { inWords } from "../../access";
 import { age as ageText, number, plain } from "../../format";
 import { useStream } from "../../live";
 import type { Capability, CameraState } from "../../messages";
@@ -35,7 +36,7 @@ function Camera({ of }: { of: Capability }) {
         {told && <Badge tone={told.on ? (told.phase === "ready" || told.phase === "streaming" ? "good" : "calm") : "calm"}>{told.on ? maybe(`cameras.phase.${told.phase}`) || told.phase : t("cameras.phase.off")}</Badge>}
       </div>
       <div class="camera-picture" style={told?.width_px && told.height_px ? { "--shape": `${told.width_px} / ${told.height_px}` } as AllCSSProperties : undefined}>{told && !told.on ? <><Icon name="nocamera" /><p>{t("cameras.off")}</p></> : <Picture name={of.name} />}</div>
-      <p class="camera-facts muted num">{age !== null && told?.on && <Badge tone={age > OLD_MS ? "warn" : "good"} icon={age > OLD_MS ? "warn" : undefined}>{age > OLD_MS ? t("cameras.age", { age: ageText(age) }) : t("cameras.live")}</Badge>} {told?.width_px ? `${told.width_px} × ${told.height_px}` : ""}{told?.fps ? ` · ${number(told.fps, 1)} / s` : ""}{told?.reason ? ` ${told.reason}` : ""}</p>
+      <p class="camera-facts muted num">{age !== null && told?.on && <Badge tone={age > OLD_MS ? "warn" : "good"} icon={age > OLD_MS ? "warn" : undefined}>{age > OLD_MS ? t("cameras.age", { age: ageText(age) }) : t("cameras.live")}</Badge>} {told?.width_px ? `${told.width_px} × ${told.height_px}` : ""}{told?.fps ? ` · ${number(told.fps, 1)} / s` : ""}{told?.reason ? ` ${inWords(told)}` : ""}</p>
       <div class="system-tools">
         {of.commands["switch"] && <Toggle label={t("cameras.private")} checked={told?.on ?? false} disabled={!told || !may(of.commands["switch"].role)} onChange={(on) => void command(of.name, "switch", { on })} />}
         {of.commands["snapshot"] && may(of.commands["snapshot"].role) && <Button icon="camera" disabled={told?.on === false} onClick={() => void snapshot()}>{t("cameras.keep")}</Button>}
