@@ -398,7 +398,9 @@ CREATE TABLE user_token (
     good_for    TEXT NOT NULL DEFAULT 'both'  -- the doors that it opens
         CHECK (good_for IN ('bus', 'web', 'both')),
     paired_from TEXT  -- the address that paired; NULL: made by hand
-        CHECK (paired_from IS NULL OR (length(paired_from) BETWEEN 1 AND 64))
+        CHECK (paired_from IS NULL OR (length(paired_from) BETWEEN 1 AND 64)),
+    called      TEXT  -- what people call it; NULL: by its name
+        CHECK (called IS NULL OR (length(called) BETWEEN 1 AND 40))
 ) STRICT;
 
 -- Every change of a row, written by the triggers at the end of this file.
@@ -477,7 +479,7 @@ CREATE TABLE adopted (
 ) STRICT;
 
 -- The revision of this schema, by which an older database is known.
-INSERT INTO alembic_version (version_num) VALUES ('0015');
+INSERT INTO alembic_version (version_num) VALUES ('0016');
 
 
 -- ---------------------------------------------------------------------------------------------------------------------
@@ -553,7 +555,7 @@ INSERT INTO capability (robot, name, kind, process, settings, needs, help) VALUE
      'The simulated surroundings; runs only under a simulating launch profile');
 
 INSERT INTO capability (robot, name, kind, process, settings, help) VALUES
-    ('lbr', 'web', 'web', 'pages', '{"port": 50001, "faces": ["page", "model", "cameras", "call"]}',
+    ('lbr', 'web', 'web', 'pages', '{"port": 50001, "faces": ["page", "model", "cameras", "call", "recordings"]}',
      'The robot over HTTP: its page and API, stop, cameras; on this machine only, unless the settings say otherwise');
 
 -- The robot's old API, for its old clients: this machine only, without a token only in simulation.

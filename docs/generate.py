@@ -10,7 +10,7 @@ import sqlite3
 import sys
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from functools import cache
 from itertools import pairwise
@@ -21,7 +21,9 @@ from typing import Any, get_args
 import click
 import msgspec
 from msgspec import Struct, inspect
-from sqlalchemy import Column, MetaData, Table
+from sqlalchemy import Column, MetaData, Table, sql
+from sqlalchemy.dialects import sqlite
+from sqlalchemy.schema import DropTable
 
 from lbr import plugins
 from lbr.bus import keys
@@ -144,10 +146,23 @@ def other_tables() -> dict[str, str]:
                 continue
             there = database.execute("SELECT name FROM pragma_table_info(?)", (table.name,)).fetchall()
             kept = [name for (name,) in there if name in table.columns]
-            made = schema.rebuilt(table, kept) if old else text
+            made = _rebuilt(table, kept) if old else text
             found[table.name] = made + ("" if table.name in books else f"\n{schema.revision_triggers(table)}")
         gone = before.keys() - tables().tables.keys() - {"sqlite_sequence"}
     return found | {name: f"DROP TABLE {name};\n" for name in gone}
+
+
+def _rebuilt(table: Table, names: Sequence[str]) -> str:
+    """Return the SQL that rebuilds a table with its values in these columns, without its triggers."""
+    known = MetaData()
+    replacement, former = (
+        table.to_metadata(known, name=f"{table.name}_new"),
+        sql.table(table.name, *map(sql.column, names)),
+    )
+    copied = sql.insert(replacement).from_select(list(names), sql.select(former), include_defaults=False)
+    lines = [str(copied.compile(dialect=sqlite.dialect())), str(DropTable(table))]
+    moved = f"ALTER TABLE {replacement.name} RENAME TO {table.name}"
+    return schema.text(replacement) + "".join(f"{' '.join(line.split())};\n" for line in (*lines, moved))
 
 
 def _bare(sql: str) -> str:

@@ -1,6 +1,6 @@
 """The audit trail: rows chained by their hashes, which reveal a change, a gap or a missing end."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from hashlib import blake2b
 
 import msgspec
@@ -9,10 +9,12 @@ from msgspec.structs import replace
 from lbr.database.connection import Connection, insert, selected
 from lbr.database.history import storable
 from lbr.database.rows import AuditRow
+from lbr.messages.plain import one_line
 
 KEPT = 20_000
 """The same number as in the trigger `audit_delete`."""
 
+_TEXTS = ("kind", "subject", "source", "text")
 _SEQUENCE = "SELECT seq FROM sqlite_sequence WHERE name = 'audit'"
 
 
@@ -23,7 +25,8 @@ def append(connection: Connection, entries: Iterable[AuditRow]) -> None:
     rows = []
     for entry in entries:
         number += 1
-        row = chained(_plain(entry), number, previous)
+        # strangers choose names and reasons, which must not forge lines or control a terminal
+        row = chained(_with_texts(entry, one_line), number, previous)
         previous = row.hash
         rows.append(msgspec.structs.asdict(row))
     if rows:
@@ -59,28 +62,13 @@ def fault(connection: Connection) -> str:
 
 def chained(entry: AuditRow, number: int, previous: str) -> AuditRow:
     """Return an entry for the trail: numbered, with its hash over the hash `previous`."""
-    texts = [storable(part) for part in (entry.kind, entry.subject, entry.source, entry.text)]
-    content = msgspec.json.encode([number, entry.wall_ns, *texts, previous])
-    kind, subject, source, text = texts
-    return replace(
-        entry,
-        id=number,
-        kind=kind,
-        subject=subject,
-        source=source,
-        text=text,
-        previous=previous,
-        hash=blake2b(content, digest_size=32).hexdigest(),
-    )
+    entry = _with_texts(entry, storable)
+    content = msgspec.json.encode([number, entry.wall_ns, *(getattr(entry, name) for name in _TEXTS), previous])
+    return replace(entry, id=number, previous=previous, hash=blake2b(content, digest_size=32).hexdigest())
 
 
-def _plain(entry: AuditRow) -> AuditRow:
-    """Return an entry without characters that forge lines or control a terminal: strangers choose names and reasons."""
-    kind, subject, source, text = (
-        "".join(char if char.isprintable() else " " for char in part)
-        for part in (entry.kind, entry.subject, entry.source, entry.text)
-    )
-    return replace(entry, kind=kind, subject=subject, source=source, text=text)
+def _with_texts(entry: AuditRow, made: Callable[[str], str]) -> AuditRow:
+    return replace(entry, **{name: made(getattr(entry, name)) for name in _TEXTS})
 
 
 def _highest(connection: Connection) -> int:

@@ -45,9 +45,10 @@ def keep(path: Path, digest: str) -> Path | None:
         raise RowError((f"database {path} cannot be copied ({err.strerror}): check the folder",)) from err
 
 
-def stored(path: Path) -> tuple[Copy, ...]:
-    """Return the copies of a database, newest first."""
-    return _stored(path, digested=True)
+def stored(path: Path, *, digested: bool = True) -> tuple[Copy, ...]:
+    """Return the copies of a database, newest first; their digests are optional."""
+    names = {number: _name(path, number) for number in range(1, GENERATIONS + 1)}
+    return tuple(look(name, number, digested=digested) for number, name in names.items() if name.exists())
 
 
 def look(path: Path, number: int = 0, *, digested: bool = True) -> Copy:
@@ -76,7 +77,7 @@ def refuse_if_lost(path: Path) -> None:
 
 def lost_edits(path: Path, revision: int) -> tuple[Problem, ...]:
     """Return the problem of a database that is older than its newest copy: it lacks edits that ran."""
-    newest = max((copy.revision for copy in _stored(path, digested=False) if not copy.fault), default=0)
+    newest = max((copy.revision for copy in stored(path, digested=False) if not copy.fault), default=0)
     if newest <= revision:
         return ()
     text = (
@@ -84,11 +85,6 @@ def lost_edits(path: Path, revision: int) -> tuple[Problem, ...]:
         "damaged, or robot.db-wal was taken away; `lbr db restore` puts the last good copy in its place"
     )
     return (Problem("revision", str(revision), "", text),)
-
-
-def _stored(path: Path, *, digested: bool) -> tuple[Copy, ...]:
-    names = {number: _name(path, number) for number in range(1, GENERATIONS + 1)}
-    return tuple(look(name, number, digested=digested) for number, name in names.items() if name.exists())
 
 
 def copy_whole(source: Path, target: Path) -> None:

@@ -47,6 +47,17 @@ def listed(folder: Path) -> tuple[list[Path], list[Path]]:
     return files, [path for path in entries if path not in files]
 
 
+def sql_text(content: bytes, path: Path) -> str:
+    """Return the SQL in a file's content; raise InputError for other content."""
+    try:
+        text = content.decode("utf-8")
+    except UnicodeDecodeError as err:
+        raise InputError(f"{path} is not SQL, but other bytes: at byte {err.start}") from err
+    if "\0" in text:
+        raise InputError(f"{path} is not SQL: it has a NUL character in it")
+    return text
+
+
 def unicode_text(content: bytes) -> str:
     """Return a file's text: UTF-16 by its mark, otherwise UTF-8; raise UnicodeDecodeError for other files."""
     return content.decode("utf-16" if content[:2] in UTF_16 else "utf-8-sig")

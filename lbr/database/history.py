@@ -17,6 +17,9 @@ LONGEST = 300
 """In characters of the text of a change."""
 MOST_LOOKED_THROUGH = 500
 """Enough for the changes while a form is open."""
+_REVISIONS = """
+SELECT id, table_name, row_key, operation, old_row, new_row, changed_at FROM revision WHERE id > ? ORDER BY id
+"""
 
 
 def append_events(connection: Connection, events: Iterable[Event], now_ns: int) -> None:
@@ -34,49 +37,33 @@ def newest_events(
     """Return the newest events, oldest first; optionally of one subject, or of some levels."""
     where = f"level IN ({', '.join('?' * len(levels))}) AND (? = '' OR subject = ?) ORDER BY id DESC LIMIT ?"
     rows = selected(connection, "event", where, *levels, subject, subject, limit)
+    columns = ("kind", "subject", "text", "level", "wall_ns")
     return tuple(
-        Event(
-            kind=row["kind"],
-            subject=row["subject"],
-            text=row["text"],
-            level=row["level"],
-            wall_ns=row["wall_ns"],
-            data=_object(row["data"]) or {},
-        )
-        for row in reversed(rows)
+        Event(**{name: row[name] for name in columns}, data=_object(row["data"]) or {}) for row in reversed(rows)
     )
 
 
-def revisions(connection: Connection, since: int) -> tuple[RevisionRow, ...]:
-    """Return the changes after revision `since`, oldest first."""
+def revisions(connection: Connection, since: int, *, whole: bool = True) -> tuple[RevisionRow, ...]:
+    """Return the changes after revision `since`, oldest first; unless `whole`, without the rows' content."""
+    rows = connection.execute(_REVISIONS if whole else _REVISIONS.replace("old_row, new_row", "NULL, NULL"), (since,))
     return tuple(
         RevisionRow(
-            id=row["id"],
-            table=row["table_name"],
-            row_key=_key(row["row_key"]),
-            operation=row["operation"],
-            before=_row(row["old_row"]),
-            after=_row(row["new_row"]),
-            changed_at=row["changed_at"],
+            id=id_,
+            table=table,
+            row_key=_key(key),
+            operation=change,
+            before=_row(before),
+            after=_row(after),
+            changed_at=at,
         )
-        for row in selected(connection, "revision", "id > ? ORDER BY id", since)
-    )
-
-
-def touched(connection: Connection, since: int) -> tuple[RevisionRow, ...]:
-    """Return the rows that were changed after revision `since`, oldest first, without their content."""
-    statement = "SELECT id, table_name, row_key, operation, changed_at FROM revision WHERE id > ? ORDER BY id"
-    return tuple(
-        RevisionRow(id=id_, table=table, row_key=_key(key), operation=operation, before=None, after=None, changed_at=at)
-        for id_, table, key, operation, at in connection.execute(statement, (since,))
+        for id_, table, key, change, before, after, at in rows
     )
 
 
 def made(connection: Connection, change: ChangeRow) -> None:
     """Record the author and the way of some revisions."""
     texts = {name: storable(getattr(change, name))[:LONGEST] for name in ("source", "program", "text")}
-    row = {"first_revision": change.first_revision, "last_revision": change.last_revision, **texts}
-    insert(connection, "change", [row])
+    insert(connection, "change", [msgspec.structs.asdict(change) | texts])
 
 
 def makers(connection: Connection) -> tuple[ChangeRow, ...]:

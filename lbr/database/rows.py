@@ -20,6 +20,8 @@ GoodFor = Literal["bus", "web", "both"]
 JsonObject = Annotated[str, Meta(extra={"shape": shapes.OBJECT})]
 """The text of a JSON object, for others to parse."""
 End = Annotated[str, Meta(pattern=r"^[a-z][a-z0-9_]{0,39}\.[a-z][a-z0-9_]{0,39}$(?!\n)", extra={"shape": shapes.PORT})]
+CapabilityName = Annotated[Name, Meta(extra={"shape": shapes.CAPABILITY_NAME})]
+Word = Annotated[str, Meta(pattern="^[A-Za-z][A-Za-z0-9_]{0,39}$(?!\\n)", extra={"shape": shapes.WORD})]
 BY_LBR = Meta(extra={"by_lbr": True})
 """For a column that lbr writes while a robot runs: its changes are not edits."""
 EXECUTIVE = "executive"
@@ -92,11 +94,7 @@ class CapabilityRow(Row, frozen=True, kw_only=True):
     KEY = ("name",)
     CHECKS = (_not_lbr, _needs, _ring, _used_device)
 
-    name: Annotated[
-        Name,
-        Meta(extra={"shape": shapes.CAPABILITY_NAME}),
-        "the second part of its keys; `executive` is lbr itself",
-    ]
+    name: Annotated[CapabilityName, "the second part of its keys; `executive` is lbr itself"]
     kind: Annotated[Name, "a registered kind, or a file in $LBR_HOME/capabilities"]
     enabled: Annotated[bool, "whether it is started"] = True
     settings: Annotated[JsonObject, "settings of its kind; unknown keys are refused"] = "{}"
@@ -216,11 +214,7 @@ class VerbRow(Row, frozen=True, kw_only=True):
     KEY = ("word", "pattern")
     CHECKS = (_pattern, _same_word, _bound_twice, _target, _same_lines)
 
-    word: Annotated[
-        str,
-        Meta(pattern="^[A-Za-z][A-Za-z0-9_]{0,39}$(?!\\n)", extra={"shape": shapes.WORD}),
-        "the first part of the pattern; capital letters count",
-    ]
+    word: Annotated[Word, "the first part of the pattern; capital letters count"]
     pattern: Annotated[str, Meta(min_length=1, extra={"shape": shapes.PATTERN}), "a line's form, see above"]
     target: Annotated[End, "capability.command, or lbr's own executive.NAME"]
     payload: Annotated[dict[str, Any] | None, "fields that the pattern does not bind"] = None
@@ -305,6 +299,7 @@ class TokenRow(Row, frozen=True, kw_only=True):
     paired_from: (
         Annotated[str, Meta(min_length=1, max_length=64), "the address that paired; NULL: made by hand"] | None
     ) = None
+    called: Annotated[str, Meta(min_length=1, max_length=40), "what people call it; NULL: by its name"] | None = None
 
     def lets_in(self, door: Literal["bus", "web"]) -> bool:
         """Return whether it is valid for that door."""

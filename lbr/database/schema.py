@@ -16,9 +16,7 @@ from alembic.migration import MigrationContext
 from msgspec import inspect
 from sqlalchemy import REAL, CheckConstraint, ForeignKeyConstraint, Integer, MetaData, Table, Text, create_engine, sql
 from sqlalchemy import Column as SqlColumn
-from sqlalchemy.dialects import sqlite
 from sqlalchemy.pool import StaticPool
-from sqlalchemy.schema import DropTable
 
 from lbr.database import triggers
 from lbr.database.columns import Column, columns
@@ -69,19 +67,6 @@ def script(row: type[Row]) -> str:
     """Return the SQL that makes the table of a user's own kind, with its triggers."""
     table = metadata([row]).tables[row.TABLE]
     return f"{text(table)}\n{revision_triggers(table)}"
-
-
-def rebuilt(table: Table, names: Sequence[str]) -> str:
-    """Return the SQL that rebuilds a table with its values in these columns, without its triggers."""
-    known = MetaData()
-    replacement, former = (
-        table.to_metadata(known, name=f"{table.name}_new"),
-        sql.table(table.name, *map(sql.column, names)),
-    )
-    copied = sql.insert(replacement).from_select(list(names), sql.select(former), include_defaults=False)
-    lines = [str(copied.compile(dialect=sqlite.dialect())), str(DropTable(table))]
-    moved = f"ALTER TABLE {replacement.name} RENAME TO {table.name}"
-    return text(replacement) + "".join(f"{' '.join(line.split())};\n" for line in (*lines, moved))
 
 
 def over_all(table: Table) -> list[str]:

@@ -10,8 +10,9 @@ import time
 from contextlib import closing
 from pathlib import Path
 
-from lbr.database import changes, constraints, copies, row_files
+from lbr.database import changes, constraints, copies, given_files, row_files
 from lbr.database.connection import LONGEST_BYTES, Connection, connect, pragma, sentences
+from lbr.database.identity import MAGIC
 from lbr.database.packaged import READING
 from lbr.database.proposals import Wanted
 from lbr.database.reading import RawTables
@@ -19,7 +20,6 @@ from lbr.database.store import Database
 from lbr.database.tables import Schema, read_tables
 from lbr.errors import InputError, RowError
 
-MAGIC = b"SQLite format 3\0"
 COMPUTED_S = 5.0
 """Of the processor, for one file of SQL."""
 STATEMENT_S = 0.5
@@ -52,14 +52,7 @@ def wanted(source: Path, database: Path, robot: str | None = None) -> Wanted:
         return lambda tables, schema: changes.between(tables, _fitting(source, found, theirs, schema), schema, robot)
     if size > MOST_BYTES:
         raise InputError(f"{source} is too large: more than {MOST_BYTES} bytes are no edit of rows")
-    try:
-        script = (begin + content).decode("utf-8")
-    except UnicodeDecodeError as err:
-        raise InputError(
-            f"{source} is neither SQL nor a robot's database, but other bytes: at byte {err.start}"
-        ) from err
-    if "\0" in script:
-        raise InputError(f"{source} is neither SQL nor a robot's database: it has a NUL character in it")
+    script = given_files.sql_text(begin + content, source)
     return lambda tables, schema: changes.between(tables, _run(source, script, database), schema, robot)
 
 

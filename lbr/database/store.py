@@ -27,6 +27,7 @@ from lbr.database.connection import (
     transaction,
 )
 from lbr.database.files import check_file, check_folder, log_files
+from lbr.database.given_files import sql_text
 from lbr.database.migrate import bring_up_to_date
 from lbr.database.packaged import Brought, Judge
 from lbr.database.reading import RawTables
@@ -53,14 +54,9 @@ def account() -> str:
         return f"user {os.getuid()}"
 
 
-def _text(path: Path) -> str:
-    try:
-        text = path.read_text(encoding="utf-8")
-    except UnicodeDecodeError as err:
-        raise InputError(f"{path} is no SQL, but bytes that are no text: {err.reason} at byte {err.start}") from err
-    if "\0" in text:
-        raise InputError(f"{path} is no SQL: it has a NUL character in it")
-    return text
+def moment_text(moment: datetime) -> str:
+    """Return a time in UTC as rows have it."""
+    return moment.isoformat(timespec="milliseconds").replace("+00:00", "Z")
 
 
 def create(path: Path, sql: Path | None = None, judge: Judge = lambda _rows: ()) -> tuple[str, ...]:
@@ -71,7 +67,8 @@ def create(path: Path, sql: Path | None = None, judge: Judge = lambda _rows: ())
     """
     if path.exists():
         raise InputError(f"database {path} exists already: name another, or move it away first")
-    source = _text(sql or robot_db_sql())
+    script = sql or robot_db_sql()
+    source = sql_text(script.read_bytes(), script)
     brought = packaged.every(judge) if sql is None else Brought((), ())
     building = path.with_name(f"{path.name}.new-{os.getpid()}")
     try:
@@ -234,7 +231,7 @@ class Database:
     def touched(self, since: int) -> tuple[RevisionRow, ...]:
         """Return the rows that were changed after revision `since`, without their content."""
         with self.reading() as connection:
-            return history.touched(connection, since)
+            return history.revisions(connection, since, whole=False)
 
     def record_start(self, robot: str) -> None:
         """Record that the robot has started."""
@@ -310,6 +307,11 @@ class Database:
         with self.writing(durable=True) as connection:
             tokens.add(connection, row)
 
+    def rename_token(self, name: str, called: str) -> None:
+        """Store a token's name for people; raise InputError for an unknown token, or an empty name."""
+        with self.writing(durable=True) as connection:
+            tokens.rename(connection, name, called)
+
     def revoke_token(self, name: str) -> None:
         """Revoke a token, durably; raise InputError if no valid token has this name."""
         with self.writing(durable=True) as connection:
@@ -340,11 +342,7 @@ class Database:
         yield
         if (after := adopted.revision(connection)) > before:
             change = past.ChangeRow(
-                first_revision=before + 1,
-                last_revision=after,
-                source=by or account(),
-                program=self.program,
-                text=text,
+                first_revision=before + 1, last_revision=after, source=by or account(), program=self.program, text=text
             )
             history.made(connection, change)
 
@@ -397,5 +395,4 @@ class Database:
                 raise RowError((f"database {self.path} has no robot '{robot}': name one of its robots",))
 
     def _now(self) -> str:
-        moment = datetime.fromtimestamp(self.wall_ns() / 1e9, tz=UTC)
-        return moment.isoformat(timespec="milliseconds").replace("+00:00", "Z")
+        return moment_text(datetime.fromtimestamp(self.wall_ns() / 1e9, tz=UTC))

@@ -5,6 +5,7 @@ import msgspec
 from lbr.database.connection import Connection, insert, selected
 from lbr.database.rows import TokenRow
 from lbr.errors import InputError
+from lbr.messages.plain import one_line
 
 
 def tokens(connection: Connection) -> tuple[TokenRow, ...]:
@@ -23,6 +24,14 @@ def add(connection: Connection, row: TokenRow) -> None:
     if connection.scalar("SELECT name FROM user_token WHERE name = ?", (row.name,)) is not None:
         raise InputError(f"there is a token '{row.name}' already: name another, or revoke it first")
     insert(connection, "user_token", [msgspec.structs.asdict(row)])
+
+
+def rename(connection: Connection, name: str, called: str) -> None:
+    """Store a token's name for people; raise InputError for an unknown token, or an empty name."""
+    if not (plain := one_line(called).strip()):
+        raise InputError("a name has a letter at least", "bad_value")
+    if connection.execute("UPDATE user_token SET called = ? WHERE name = ?", (plain, name)).rowcount != 1:
+        raise InputError(f"there is no token '{name}'", "unknown_name")
 
 
 def revoke(connection: Connection, name: str, now: str) -> None:

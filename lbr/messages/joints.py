@@ -1,9 +1,11 @@
 """Messages on `joints/*` and `motions/*`: commands for a humanoid, and the state of its joints."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Annotated, Any, Literal
 
 from msgspec import Meta, Struct
+from msgspec.structs import asdict
 
 from lbr.messages.codes import Code, ReasonCode
 from lbr.messages.drive import LoopStatistics
@@ -99,16 +101,9 @@ def motion_there(row: Any, others: Others) -> Iterator[Fault]:
         yield "motion", f"there is no motion '{row.motion}'"
 
 
-def _lead_in(row: "MotionRow", others: Others) -> Iterator[Fault]:
-    yield from _lead(row.name, "lead_in", row.lead_in, others)
-
-
-def _lead_out(row: "MotionRow", others: Others) -> Iterator[Fault]:
-    yield from _lead(row.name, "lead_out", row.lead_out, others)
-
-
-def _lead(name: str, column: str, other: str, others: Others) -> Iterator[Fault]:
-    if other and (other not in others.names("motion") or other == name):
+def _lead(column: str, row: "MotionRow", others: Others) -> Iterator[Fault]:
+    other = getattr(row, column)
+    if other and (other not in others.names("motion") or other == row.name):
         yield column, f"there is no other motion '{other}'"
 
 
@@ -118,7 +113,7 @@ class MotionRow(Row, frozen=True, kw_only=True):
     TABLE = "motion"
     KEY = ("name",)
     TOGETHER = (("slot", "slot_s"),)
-    CHECKS = (_lead_in, _lead_out)
+    CHECKS = (partial(_lead, "lead_in"), partial(_lead, "lead_out"))
 
     name: Annotated[Name, "its name in commands"]
     help: Annotated[str, "one line for people"] = ""
@@ -204,16 +199,7 @@ class Motion(Struct, frozen=True, kw_only=True):
     @property
     def rows(self) -> tuple[Row, ...]:
         """Return its row, and those of its key frames, counted from 1."""
-        steps = (
-            MotionStep(
-                motion=self.name,
-                step=step,
-                duration_s=frame.duration_s,
-                positions=frame.positions,
-                stable=frame.stable,
-            )
-            for step, frame in enumerate(self.frames, 1)
-        )
+        steps = (MotionStep(motion=self.name, step=step, **asdict(frame)) for step, frame in enumerate(self.frames, 1))
         return (self.row, *steps)
 
 

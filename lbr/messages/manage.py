@@ -56,6 +56,14 @@ class RevokeToken(Struct, frozen=True, kw_only=True, tag_field="ask", tag="revok
     by: Asker = ""
 
 
+class RenameToken(Struct, frozen=True, kw_only=True, tag_field="ask", tag="rename"):
+    """Store a token's name for people."""
+
+    name: Annotated[str, Meta(max_length=64)]
+    called: Annotated[str, Meta(min_length=1, max_length=40)]
+    by: Asker = ""
+
+
 class LookAtLog(Struct, frozen=True, kw_only=True, tag_field="ask", tag="log"):
     """Return the end of a capability's log."""
 
@@ -75,7 +83,15 @@ class LookAtDevices(Struct, frozen=True, kw_only=True, tag_field="ask", tag="dev
 
 
 ManageCommand = (
-    LookAtDevices | LookAtRows | ChangeRows | UndoRows | LookAtTokens | RevokeToken | LookAtLog | LookAtEvents
+    LookAtDevices
+    | LookAtRows
+    | ChangeRows
+    | UndoRows
+    | LookAtTokens
+    | RenameToken
+    | RevokeToken
+    | LookAtLog
+    | LookAtEvents
 )
 
 

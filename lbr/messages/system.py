@@ -10,19 +10,17 @@ from lbr.messages.plain import one_line
 
 Role = Literal["view", "operate", "admin"]
 RANKS: dict[Role, int] = {"view": 0, "operate": 1, "admin": 2}
-
-
-def higher(one: Role, other: Role) -> Role:
-    """Return the higher one of two roles."""
-    return max(one, other, key=RANKS.__getitem__)
-
-
 """Roles in ascending order: each includes the rights of those before it."""
 TokenRole = Literal["view", "operate", "admin", "host"]
 """The rights of a token's holder; `host` is for another machine that runs a share of the robot, and also looks and
 stops."""
 Count = Annotated[int, Meta(ge=0, le=2**63 - 1)]
 CapabilityPhase = Literal["waiting", "starting", "ready", "degraded", "stopping", "stopped", "failed"]
+
+
+def higher(one: Role, other: Role) -> Role:
+    """Return the higher one of two roles."""
+    return max(one, other, key=RANKS.__getitem__)
 
 
 class Stamp(Struct, frozen=True, kw_only=True):

@@ -75,6 +75,20 @@ def test_the_newest_revision_is_the_one_of_the_sql_file(path):
     assert f"VALUES ('{migrate.HEAD}')" in robot_db_sql().read_text()
 
 
+def test_a_token_of_before_names_for_people_goes_by_its_own_name(tmp_path):
+    lines = robot_db_sql().read_text().replace(f"VALUES ('{NOW}')", "VALUES ('0015')").splitlines()
+    (at,) = [number for number, line in enumerate(lines) if line.lstrip().startswith("called ")]
+    lines[at - 1] = lines[at - 1].rstrip(",")
+    sql, path = tmp_path / "before.sql", tmp_path / "robot.db"
+    sql.write_text("\n".join(lines[:at] + lines[at + 2 :]))
+    create(path, sql)
+    with closing(sqlite3.connect(path)) as connection, connection:
+        connection.execute("INSERT INTO user_token (name, role, hash) VALUES ('phone', 'view', ?)", ("h" * 64,))
+    with Database.open(path) as database:
+        assert database.backup is not None
+        assert [(one.name, one.role, one.called) for one in database.tokens()] == [("phone", "view", None)]
+
+
 def test_a_database_of_this_version_is_left_alone(path):
     with Database.open(path) as database:
         assert database.backup is None

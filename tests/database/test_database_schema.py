@@ -237,6 +237,7 @@ BAD_ROWS = [
     ("user_token", {"name": "n", "role": "view", "hash": "plain"}),
     ("user_token", {"name": "n", "role": "view", "hash": "h" * 32, "good_for": "all"}),
     ("user_token", {"name": "n", "role": "view", "hash": "h" * 32, "paired_from": ""}),
+    ("user_token", {"name": "n", "role": "view", "hash": "h" * 32, "called": ""}),
     ("revision", {"table_name": "t", "row_key": "x", "operation": "insert"}),
     ("revision", {"table_name": "t", "row_key": "[]", "operation": "replace"}),
     ("revision", {"table_name": "t", "row_key": "[]", "operation": "insert", "new_row": "{"}),

@@ -52,3 +52,18 @@ def test_what_is_no_token_is_refused(database, name, role, hash_):
     with pytest.raises(RowError):
         database.add_token(name, role, hash_)
     assert database.tokens() == ()
+
+
+def test_a_token_has_a_name_for_people_and_stays_as_it_is(database):
+    database.add_token("phone", "operate", HASH)
+    database.rename_token("phone", "Ann\nin the kitchen")
+    assert [(one.name, one.called, one.hash) for one in database.tokens()] == [("phone", "Ann in the kitchen", HASH)]
+
+
+@pytest.mark.parametrize(("name", "called", "code"), [("nobody", "Ann", "unknown_name"), ("phone", " ", "bad_value")])
+def test_a_name_for_people_needs_a_token_and_a_letter(database, name, called, code):
+    database.add_token("phone", "operate", HASH)
+    with pytest.raises(InputError) as refused:
+        database.rename_token(name, called)
+    assert refused.value.code == code
+    assert database.tokens()[0].called is None

@@ -37,6 +37,7 @@ COMPONENT = Component(
             group="look",
         ),
     },
-    needs=("simulation",),
+    faces={"recordings": "lbr.apps.recorder.face:RecordingsFace"},
+    needs=("simulation", "web"),
     messages=("lbr.apps.recorder.messages", "lbr.apps.recorder.recording.recorded"),
 )

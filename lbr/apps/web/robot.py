@@ -45,16 +45,6 @@ class Snapshot(Struct, frozen=True, kw_only=True):
         return self.inputs.get("drive")
 
     @property
-    def ranges(self) -> Received | None:
-        """The last readings of the range sensors."""
-        return self.inputs.get("ranges")
-
-    @property
-    def battery(self) -> Received | None:
-        """The last state of the battery."""
-        return self.inputs.get("battery")
-
-    @property
     def is_latched(self) -> bool:
         """Return whether every known state of joints and drive reports the emergency stop."""
         states = [last.message for last in (self.joints, self.drive) if last is not None]
@@ -101,6 +91,10 @@ class Robot:
         if (rows, steps) != self._composed[:2]:
             self._composed = rows, steps, motions_of(rows, steps)
         return self._composed[2]
+
+    def motion(self, name: str) -> Motion | None:
+        """Return the present motion of a name."""
+        return next((motion for motion in self.motions if motion.name == name), None)
 
     @property
     def motors(self) -> tuple[Motor, ...]:

@@ -16,7 +16,7 @@ from msgspec import Struct
 from lbr import home
 from lbr.bus import certificates, tokens
 from lbr.database.rows import GoodFor
-from lbr.database.store import Database
+from lbr.database.store import Database, moment_text
 from lbr.errors import InputError
 from lbr.messages.system import TokenRole
 from lbr.names import first_free, without_marks
@@ -82,10 +82,10 @@ def new_token(
 ) -> NewToken:
     """Make a token and write its row, durably; InputError if the name is invalid, or a valid token has it."""
     fingerprint = tokens.fingerprint(certificate_der())
-    created_at = _text(datetime.now(UTC))
+    created_at = moment_text(datetime.now(UTC))
     secret = token_secret(token_key(), tokens.check_name(name), created_at)
-    kept = tokens.hashed(secret)
-    rows.add_token(name, role, kept, _text(ends) if ends is not None else None, created_at, good_for, paired_from)
+    kept, until = tokens.hashed(secret), moment_text(ends) if ends is not None else None
+    rows.add_token(name, role, kept, until, created_at, good_for, paired_from)
     return NewToken(token=tokens.Token(name=name, secret=secret, fingerprint=fingerprint), role=role, hash=kept)
 
 
@@ -94,7 +94,3 @@ def device_name(said: str, taken: Iterable[str]) -> str:
     name = re.sub(r"[^A-Za-z0-9]+", "-", without_marks(said)).strip("-")[:_LONGEST_OF_A_DEVICE].strip("-") or "phone"
     there = {one.lower() for one in taken}
     return first_free(name, lambda one: one.lower() in there, "-")
-
-
-def _text(moment: datetime) -> str:
-    return moment.isoformat(timespec="milliseconds").replace("+00:00", "Z")

@@ -40,6 +40,7 @@ from lbr.messages.manage import (
     LookAtTokens,
     ManageCommand,
     ManageReply,
+    RenameToken,
     RevokeToken,
     RowProblem,
     Touched,
@@ -92,6 +93,7 @@ class Pages:
             UndoRows: self._undo,
             LookAtTokens: self._tokens,
             LookAtDevices: self._devices,
+            RenameToken: self._rename,
             RevokeToken: self._revoke,
             LookAtLog: self._log,
             LookAtEvents: self._events,
@@ -114,6 +116,8 @@ class Pages:
                 kind, text = "edit", f"{command.by or 'a page'} changed {_listed(command)}"
             case UndoRows():
                 kind, text = "edit", f"{command.by} took the change of rows with revision {command.revision} back"
+            case RenameToken():
+                kind, text = "token", f"{command.by or 'a page'} calls the token '{command.name}' '{command.called}'"
             case RevokeToken():
                 kind, text = "token", f"{command.by or 'a page'} revoked the token '{command.name}'"
             case _:
@@ -216,6 +220,11 @@ class Pages:
             found = database.tokens()
         data = [{name: value for name, value in asdict(one).items() if name != "hash"} for one in found]
         return ManageReply(accepted=True, data={"tokens": data})
+
+    def _rename(self, command: RenameToken) -> ManageReply:
+        with Database.open(self._path) as database:
+            database.rename_token(command.name, command.called)
+        return ManageReply(accepted=True, reason=f"'{command.name}' is called '{command.called}'")
 
     def _revoke(self, command: RevokeToken) -> ManageReply:
         with Database.open(self._path) as database:

@@ -32,7 +32,7 @@ INSERT INTO capability (robot, name, kind, process, settings, needs, help) VALUE
      'The simulated body and floor; runs only under a simulating launch profile');
 
 INSERT INTO capability (robot, name, kind, settings, help) VALUES
-    ('bioloid', 'web', 'web', '{"port": 50002, "faces": ["page", "model", "cameras"]}',
+    ('bioloid', 'web', 'web', '{"port": 50002, "faces": ["page", "model", "cameras", "recordings"]}',
      'The robot over HTTP: its page and API, stop and emergency stop, cameras if it is given some; on this machine only, unless the settings say otherwise');
 
 -- Always on, as for lbr.

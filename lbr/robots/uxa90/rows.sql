@@ -25,7 +25,7 @@ INSERT INTO capability (robot, name, kind, process, settings, needs, help) VALUE
      'The camera in the head'),
     ('uxa90', 'tracking', 'tracking', '', '{}', '["joints", "camera_head"]',
      'Tracking: the head follows a coloured thing'),
-    ('uxa90', 'web', 'web', '', '{"faces": ["page", "model", "uxa90", "cameras"]}', '[]',
+    ('uxa90', 'web', 'web', '', '{"faces": ["page", "model", "uxa90", "cameras", "recordings"]}', '[]',
      'The robot over HTTP: its page and API, its camera, the API of old; on this machine only, unless the settings say otherwise'),
     ('uxa90', 'world', 'humanoid_world', '',
      '{"model": "uxa90", "rests": {"left_hip_pitch": 1.78, "right_hip_pitch": 1.78, "left_knee": -2.4, "right_knee": -2.4,

@@ -18,6 +18,7 @@ from lbr.apps.recorder.recording.segments import Segment
 from lbr.messages.system import CapabilityStatus, EstopState, Status
 from tests.support import programs
 from tests.support.robot import LBR, environment, lbr
+from tests.support.segments import finished
 from tests.support.waiting import until
 
 S = 10**9
@@ -37,7 +38,7 @@ def home(tmp_path):
     folder.mkdir(parents=True, mode=0o700)
     place.chmod(0o700)
     channels = Channels()
-    with Segment(folder / "walk.mcap", "a test", {"robot": "lbr"}) as segment:
+    with finished(Segment(folder / "walk.mcap", "a test", {"robot": "lbr"})) as segment:
         numbers = channels.number(DRIVE), channels.number(STATUS)
         drive = CapabilityStatus(
             name="drive",

@@ -125,6 +125,9 @@ class JointedRobot(PageRobot):
             self.speed_rps = message.get("speed_rps") or 3.0
         return {"n": n, "holds": True, "code": "", "reason": "", "holder": "web:page"}
 
+    def motion(self, name: str) -> Motion | None:
+        return next((one for one in self.motions if one.name == name), None)
+
     def halt(self, viewer: Any = None) -> int | None:
         mine = self._hold is not None and (viewer is None or self._hold[0] is viewer)
         found = super().halt(viewer)

@@ -226,6 +226,8 @@ def test_a_token_is_listed_without_what_proves_it_and_locked_out_at_once(owner, 
     assert "hash" not in listed
     for path in ("/api/tokens", "/api/rows", "/api/logs/drive"):
         assert owner.get(path, headers=viewer).status_code == 403
+    called = {"name": "visitor", "called": "Ann"}
+    assert owner.post("/api/tokens/rename", json=called, headers=viewer).status_code == 403
     assert owner.post("/api/devices", headers=viewer).status_code == 403
     assert (
         owner.post("/api/rows", json={"changes": [{"table": "phrase", "after": {}}]}, headers=viewer).status_code == 403
@@ -234,6 +236,19 @@ def test_a_token_is_listed_without_what_proves_it_and_locked_out_at_once(owner, 
     until(lambda: role(owner, viewer) is None and role(owner, {}) == "admin")
     assert role(owner, viewer) is None
     assert owner.post("/api/tokens/revoke", json={"name": "visitor"}).status_code == 404
+
+
+def test_a_token_gets_a_name_for_people_and_goes_on(owner, robot):
+    token = lbr(robot.home, "token", "add", "tablet", "--role", "view", "--for", "web").stdout.split()[0]
+    holder = {"Authorization": f"Bearer {token}"}
+    until(lambda: role(owner, holder) == "view")
+    assert owner.post("/api/tokens/rename", json={"name": "tablet", "called": "Ann"}).status_code == 200
+    (listed,) = [one for one in owner.get("/api/tokens").json()["data"]["tokens"] if one["name"] == "tablet"]
+    assert listed["called"] == "Ann"
+    assert any("'Ann'" in one["text"] for one in robot.events())
+    assert role(owner, holder) == "view"
+    for bad, status in (({"name": "none", "called": "Ann"}, 404), ({"name": "tablet", "called": ""}, 400)):
+        assert owner.post("/api/tokens/rename", json=bad).status_code == status
 
 
 def test_what_is_plugged_in_is_told_and_its_rows_are_previewed_as_any_change(owner, robot, tmp_path):

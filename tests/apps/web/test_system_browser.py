@@ -188,6 +188,20 @@ def test_a_token_is_locked_out_by_a_tap(page, robot):
     expect(told.get_by_text("locked out")).to_be_visible(timeout=SLOWLY_MS)
 
 
+def test_a_token_is_called_what_people_say(page, robot):
+    name, called = f"tablet{page.viewport_size['width']}", f"Ann's {page.viewport_size['width']}"
+    assert lbr(robot.home, "token", "add", name, "--role", "view").returncode == 0
+    page.get_by_role("radio", name="Access").click()
+    page.get_by_role("button", name=f"Rename: {name}").click(timeout=SLOWLY_MS)
+    form = page.get_by_role("dialog")
+    form.get_by_label("Name").fill(called)
+    form.get_by_role("button", name="Save").click()
+    expect(form).to_have_count(0, timeout=SLOWLY_MS)
+    expect(page.get_by_role("button", name=f"Lock out: {called}")).to_be_visible(timeout=SLOWLY_MS)
+    listed = json.loads(lbr(robot.home, "token", "list", "--json").stdout)
+    assert [one["called"] for one in listed if one["name"] == name] == [called]
+
+
 def test_one_button_connects_a_phone_and_closes_the_robot_again(page, robot):
     page.get_by_role("button", name="Connect a phone").first.click()
     dialog = page.get_by_role("dialog")
@@ -227,7 +241,7 @@ def test_what_was_is_drawn_exported_and_explained_for_a_moment(page):
     expect(page.locator(".past-moment strong").first).to_be_visible(timeout=SLOWLY_MS)
 
 
-def test_a_moment_is_marked_and_a_recording_made_and_ended(page, robot):
+def test_a_moment_is_marked_and_a_recording_made_ended_and_saved(page, robot):
     until(lambda: robot.capability("box")["phase"] == "ready")
     until(lambda: robot.line("/mark/before")["code"] == 0)  # it runs when all others leave it time
     box = page.get_by_role("group", name="Black box")
@@ -238,8 +252,15 @@ def test_a_moment_is_marked_and_a_recording_made_and_ended(page, robot):
     end = box.get_by_role("button", name="End recording")
     expect(end).to_be_visible(timeout=SLOWLY_MS)
     end.click()
+    made = page.get_by_role("dialog").get_by_role("link")
+    expect(made).to_have_count(before + 1, timeout=SLOWLY_MS)
+    with page.expect_download() as kept:
+        made.first.click()
+    newest = max((robot.home / "recordings" / "lbr").glob("*.mcap"))
+    assert kept.value.suggested_filename == newest.name
+    assert Path(kept.value.path()).read_bytes() == newest.read_bytes()
+    page.keyboard.press("Escape")
     expect(box.get_by_role("button", name="Record", exact=True)).to_be_visible(timeout=SLOWLY_MS)
-    until(lambda: len(list((robot.home / "recordings" / "lbr").glob("*.mcap"))) == before + 1, what="the recording")
 
 
 def test_what_is_plugged_in_is_shown_with_a_preview_and_written_on_a_yes(page, robot, tmp_path):

@@ -15,7 +15,7 @@ needs.modules("mujoco")
 
 from lbr.apps.bodies import motion_forms  # noqa: E402
 from lbr.apps.web.face import Client, Refused  # noqa: E402
-from lbr.apps.web.model.building import CheckBody, CheckParams, ReadBody, UploadBody, VersionParams, WriteBody  # noqa: E402
+from lbr.apps.web.model.building import CheckBody, CheckParams, MotionParams, ReadBody, UploadBody, WriteBody  # noqa: E402
 from lbr.apps.web.model.routes import ModelFace, MotionBody  # noqa: E402
 from lbr.apps.web.model.uploads import KEPT_S, MOST_BYTES, MOST_UPLOADS, Uploads  # noqa: E402
 from lbr.apps.web.model.work import MOST_AT_ONCE, UNASKED_S, Work, Works  # noqa: E402
@@ -44,7 +44,14 @@ class Stage:
         ctx = SimpleNamespace(home=str(home), rows=lambda _row: ())
         self.edits: list[Any] = []
         robot: Any = SimpleNamespace(
-            name="bioloid", ctx=ctx, now=time.monotonic, joints=joints, motors=(), motions=(WAVE,), edit=self._edit
+            name="bioloid",
+            ctx=ctx,
+            now=time.monotonic,
+            joints=joints,
+            motors=(),
+            motions=(WAVE,),
+            motion={WAVE.name: WAVE}.get,
+            edit=self._edit,
         )
         self.face = ModelFace(robot)
         self.routes = {(route.method, route.path): route for route in self.face.routes()}
@@ -259,7 +266,7 @@ def test_a_file_comes_back_as_it_was_written_and_a_foreign_one_is_named(humanoid
 
 def test_without_a_database_there_are_no_versions_and_it_is_said_why(stage):
     with pytest.raises(Refused, match="is not there"):
-        stage.ask("GET", "/api/motion/versions", params=VersionParams(motion="wave"))
+        stage.ask("GET", "/api/motion/versions", params=MotionParams(motion="wave"))
 
 
 def test_the_forms_are_told_with_what_is_only_read(stage):

@@ -9,8 +9,9 @@ import pytest
 
 from lbr.apps.web.face import Client, Refused, Route
 from lbr.apps.web.model import PORTS
+from lbr.apps.web.model.building import MotionParams
 from lbr.apps.web.model.poses import key_pose
-from lbr.apps.web.model.routes import ModelFace, MotionBody, MotionParams
+from lbr.apps.web.model.routes import ModelFace, MotionBody
 from lbr.messages.faces import EditReply
 from lbr.messages.joints import Joint, KeyFrame, Motion
 from tests.apps.web.asking import called
@@ -31,7 +32,13 @@ WAVE = Motion(
 def routes(tmp_path) -> dict[str, Any]:
     ctx = SimpleNamespace(home=str(tmp_path), rows=lambda _row: ())
     robot: Any = SimpleNamespace(
-        name="bioloid", ctx=ctx, now=time.monotonic, joints=(ELBOW,), motors=(), motions=(WAVE,)
+        name="bioloid",
+        ctx=ctx,
+        now=time.monotonic,
+        joints=(ELBOW,),
+        motors=(),
+        motions=(WAVE,),
+        motion={WAVE.name: WAVE}.get,
     )
     return {route.path: route for route in ModelFace(robot).routes() if route.method == "GET"}
 
@@ -100,7 +107,14 @@ def kept(tmp_path, reply: EditReply, **given: Any) -> tuple[Editor, Any]:
     editor = Editor(reply)
     ctx = SimpleNamespace(home=str(tmp_path), rows=lambda _row: ())
     robot: Any = SimpleNamespace(
-        name="bioloid", ctx=ctx, now=time.monotonic, joints=(ELBOW,), motors=(), motions=(WAVE,), edit=editor.edit
+        name="bioloid",
+        ctx=ctx,
+        now=time.monotonic,
+        joints=(ELBOW,),
+        motors=(),
+        motions=(WAVE,),
+        motion={WAVE.name: WAVE}.get,
+        edit=editor.edit,
     )
     post = next(route for route in ModelFace(robot).routes() if route.method == "POST")
     return editor, asked(post, body=MotionBody(frames=(frame(left_elbow=-0.5),), **given))

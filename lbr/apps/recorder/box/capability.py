@@ -126,6 +126,7 @@ class Box(Capability[BoxSettings]):
         self._recording: Output | None = None
         self._recording_until = self._recording_since = 0.0
         self._jumped = ""
+        self._with_cameras = False
 
     def open(self) -> None:
         """Begin to record."""
@@ -228,11 +229,10 @@ class Box(Capability[BoxSettings]):
             each.flush(self._channels, now, self._about() if begins else None, schemas if begins else fresh)
 
     def _put(self, outputs: list[Output], message: Arrival) -> None:
+        if message.topic == STATUS and (status := read_or_none(message.data, _Revision)) is not None:
+            self._revision = status.revision
         if message.topic == EVENT:
             self._take_event(message.data)
-        elif message.topic == STATUS:
-            self._revise(message.data)
-        if message.topic == EVENT:
             self._events.append(message)
         elif not message.picture and not message.topic.startswith(TAPED):
             self._latest[message.topic] = message
@@ -273,11 +273,6 @@ class Box(Capability[BoxSettings]):
         if keep is not None and self._box_output is not None:
             self._box_output.disk.keep(keep)
 
-    def _revise(self, payload: bytes) -> None:
-        status = read_or_none(payload, _Revision)
-        if status is not None:
-            self._revision = status.revision
-
     # -- the streams to record -----------------------------------------------------------------------------------------
 
     def _describe(self, now: float) -> None:
@@ -310,11 +305,9 @@ class Box(Capability[BoxSettings]):
                 one.add(self._channels.number(ALL_ROWS), 0, at_ns, at_ns, self._rows)
 
     def _take_streams(self, data: Raw | None) -> None:
-        streams = read_or_none(data, RecordedStreams)
-        if streams is None:
-            return
-        self._streams = streams
-        self._follow()
+        if (streams := read_or_none(data, RecordedStreams)) is not None:
+            self._streams = streams
+            self._follow()
 
     def _follow(self) -> None:
         if self._inbox is None or self._streams is None:
@@ -330,8 +323,6 @@ class Box(Capability[BoxSettings]):
         self._inbox.follow(self._streams.streams, wanted, pictures=recording is not None and self._with_cameras)
 
     # -- commands ------------------------------------------------------------------------------------------------------
-
-    _with_cameras = False
 
     def _mark(self, text: str) -> BoxReply:
         if self._box_output is None:
@@ -361,12 +352,7 @@ class Box(Capability[BoxSettings]):
         self._recording = Output(Disk(lambda: path, self._library), None)
         self._recording_since = now
         self._recording_until = now + asked.seconds if asked.seconds else float("inf")
-        self._with_cameras = asked.cameras
-        if self._inbox is not None:
-            self._inbox.subscribe_lines(on=asked.lines)
-        self._follow()
-        self._publish_at = 0.0
-        self._publish_state(now)
+        self._refit(cameras=asked.cameras, lines=asked.lines)
         how = f"for {asked.seconds:g} s" if asked.seconds else "until it is ended (/record/end)"
         return BoxReply(accepted=True, reason=f"records {how}, into {path}", path=str(path))
 
@@ -378,16 +364,20 @@ class Box(Capability[BoxSettings]):
         recording, self._recording = self._recording, None
         recording.disk.close(2.0)
         path = recording.disk.path
-        self._with_cameras = False
-        if self._inbox is not None:
-            self._inbox.subscribe_lines(on=False)
-        self._follow()
-        self._publish_at = 0.0
-        self._publish_state(self.ctx.clock())
+        self._refit(cameras=False, lines=False)
         lost = f"; {recording.disk.lost} messages are missing: {recording.disk.trouble}" if recording.disk.lost else ""
         text = f"recorded {recording.disk.size / MB:.1f} MB into {path}: {why}{lost}"
         self.ctx.event("recorded", text, level="warning" if lost else "info")
         return BoxReply(accepted=True, reason=text, path=str(path or ""))
+
+    def _refit(self, *, cameras: bool, lines: bool) -> None:
+        """Subscribe to what the recording needs, or needs no more, and publish the state."""
+        self._with_cameras = cameras
+        if self._inbox is not None:
+            self._inbox.subscribe_lines(on=lines)
+        self._follow()
+        self._publish_at = 0.0
+        self._publish_state(self.ctx.clock())
 
     # -- reports -------------------------------------------------------------------------------------------------------
 

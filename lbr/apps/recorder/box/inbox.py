@@ -1,6 +1,5 @@
 """The messages from the bus: the bus library queues them, and the box takes all of them once a round."""
 
-import base64
 import functools
 from collections.abc import Callable, Collection, Iterator
 from typing import NamedTuple
@@ -9,7 +8,7 @@ import msgspec
 from msgspec import Struct
 
 from lbr.apps.recorder.box.clock import MOST_NS, Clock
-from lbr.apps.recorder.recording.chunks import Channel, Channels
+from lbr.apps.recorder.recording.chunks import PICTURES, Channel, Channels
 from lbr.apps.recorder.recording.recorded import RecordedStream
 from lbr.bus import keys, pictures, wire
 from lbr.bus.session import Session
@@ -26,29 +25,17 @@ PICTURES_DEPTH = 64
 TAPED_DEPTH = 4096
 PICTURE_S = 2.0
 STATUS, EVENT, ROWS, LOG = "@status", "@event", "@rows", "@log"
-_TIME = {"type": "object", "properties": {"sec": {"type": "integer"}, "nsec": {"type": "integer"}}}
-_IMAGE = {
-    "title": "foxglove.CompressedImage",
-    "type": "object",
-    "properties": {
-        "timestamp": _TIME,
-        "frame_id": {"type": "string"},
-        "data": {"type": "string", "contentEncoding": "base64"},
-        "format": {"type": "string"},
-    },
-}
-_LOG = {
-    "title": "foxglove.Log",
-    "type": "object",
-    "properties": {
-        "timestamp": _TIME,
-        "level": {"type": "integer"},
-        "message": {"type": "string"},
-        "name": {"type": "string"},
-    },
-}
-PICTURE_SCHEMA = msgspec.json.encode(_IMAGE)
-LINES = Channel(LOG, "json", "foxglove.Log", msgspec.json.encode(_LOG))
+_NUMBER, _TEXT = {"type": "integer"}, {"type": "string"}
+
+
+def _schema(title: str, **fields: object) -> bytes:
+    """Return a schema that viewers of recordings know; its types are not referred to, which some do not follow."""
+    time = {"type": "object", "properties": {"sec": _NUMBER, "nsec": _NUMBER}}
+    return msgspec.json.encode({"title": title, "type": "object", "properties": {"timestamp": time, **fields}})
+
+
+PICTURE_SCHEMA = _schema(PICTURES, frame_id=_TEXT, data={**_TEXT, "contentEncoding": "base64"}, format=_TEXT)
+LINES = Channel(LOG, "json", "foxglove.Log", _schema("foxglove.Log", level=_NUMBER, message=_TEXT, name=_TEXT))
 ALL_ROWS = Channel(ROWS, "json", "Rows", b'{"type":"object"}')
 
 
@@ -77,17 +64,14 @@ class Arrival(NamedTuple):
     picture: bool = False
 
 
-class _Feed:
-    """A subscribed stream."""
+class _Feed(Struct):
+    """A subscribed stream. Gaps after the number `last` are losses; it stays 0 for many senders with own numbers."""
 
-    def __init__(self, subscription: wire.PolledSubscription, topic: str, number: int, *, picture: bool) -> None:
-        self.subscription = subscription
-        self.topic = topic
-        self.number = number
-        self.picture = picture
-        self.counts = not topic.startswith("@")
-        """True if gaps in the numbers count as losses. Events have many senders, each with its own numbers."""
-        self.last = 0
+    subscription: wire.PolledSubscription
+    topic: str
+    number: int
+    picture: bool
+    last: int = 0
 
 
 class Inbox:
@@ -150,9 +134,9 @@ class Inbox:
         for feed in self._feeds.values():
             for raw in feed.subscription.take():
                 stamp = _stamp_of(raw.attachment)
-                if feed.counts and 0 < feed.last < stamp.seq - 1:
+                if 0 < feed.last < stamp.seq - 1:
                     self.lost += stamp.seq - feed.last - 1
-                feed.last = stamp.seq
+                feed.last = stamp.seq if not feed.topic.startswith("@") else 0
                 yield self._dated(feed.topic, feed.number, stamp, raw.payload, picture=feed.picture)
         for raw in self._taped.take() if self._taped is not None else ():
             topic = self._topic(raw.key)
@@ -188,12 +172,12 @@ class Inbox:
 
     def _subscribe(self, key: str, topic: str, channel: Channel, depth: int, *, picture: bool = False) -> None:
         subscription = wire.PolledSubscription(self._bus, key, depth=depth)
-        self._feeds[key] = _Feed(subscription, topic, self._channels.number(channel), picture=picture)
+        self._feeds[key] = _Feed(subscription, topic, self._channels.number(channel), picture)
 
     def _channel_of(self, stream: RecordedStream) -> Channel:
         topic = self._topic(stream.key)
         if stream.picture:
-            return Channel(topic, "json", "foxglove.CompressedImage", PICTURE_SCHEMA)
+            return Channel(topic, "json", PICTURES, PICTURE_SCHEMA)
         schema = msgspec.json.decode(stream.schema) if bytes(stream.schema) else None
         if not isinstance(schema, dict) or not schema:
             return Channel(topic, "json")
@@ -205,26 +189,18 @@ class Inbox:
 
 def image(data: bytes, frame: str, at_ns: int) -> bytes:
     """Return a picture in the form that viewers of recordings read."""
-    return msgspec.json.encode(
-        {
-            "timestamp": {"sec": at_ns // 1_000_000_000, "nsec": at_ns % 1_000_000_000},
-            "frame_id": frame,
-            "format": "jpeg" if pictures.is_whole(data) else "broken",
-            "data": base64.b64encode(data).decode(),
-        }
-    )
+    form = "jpeg" if pictures.is_whole(data) else "broken"
+    return _at(at_ns, frame_id=frame, format=form, data=data)  # bytes become base64
 
 
 def line(writer: str, text: str, at_ns: int) -> bytes:
     """Return a log line in the form that viewers of recordings read."""
-    return msgspec.json.encode(
-        {
-            "timestamp": {"sec": at_ns // 1_000_000_000, "nsec": at_ns % 1_000_000_000},
-            "level": 2,
-            "message": text,
-            "name": writer,
-        }
-    )
+    return _at(at_ns, level=2, message=text, name=writer)
+
+
+def _at(at_ns: int, **fields: object) -> bytes:
+    sec, nsec = divmod(at_ns, 1_000_000_000)
+    return msgspec.json.encode({"timestamp": {"sec": sec, "nsec": nsec}, **fields})
 
 
 def _stamp_of(attachment: bytes) -> _Stamp:

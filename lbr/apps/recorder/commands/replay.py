@@ -20,8 +20,8 @@ from lbr import home
 from lbr.apps.recorder.commands import box
 from lbr.apps.recorder.commands.completing import complete_recording
 from lbr.apps.recorder.recording import lines, selection, times
-from lbr.apps.recorder.recording.chunks import Channel, Message
-from lbr.apps.recorder.recording.export import PICTURES, picture_in
+from lbr.apps.recorder.recording.chunks import PICTURES, Channel, Message
+from lbr.apps.recorder.recording.export import picture_in
 from lbr.apps.recorder.recording.player import Player
 from lbr.bus import access, keys, session, wire
 from lbr.bus.session import Session
@@ -111,7 +111,6 @@ class Stage:
     """Publishes recorded messages on the bus of this robot."""
 
     def __init__(self, bus: Session, robot: str) -> None:
-        self._wire = wire
         self._bus = bus
         self._robot = robot
         self._publishers: dict[str, wire.Publisher] = {}
@@ -125,7 +124,7 @@ class Stage:
         if message.topic not in self._publishers:
             key = f"{self._robot}/{message.topic}"
             try:
-                self._publishers[message.topic] = self._wire.Publisher(self._bus, key, "replay", pictures=picture)
+                self._publishers[message.topic] = wire.Publisher(self._bus, key, "replay", pictures=picture)
             except Exception as err:  # the bus library's own error, for a name that is not a valid key
                 raise BusError(f"'{message.topic[:60]}' cannot be published: {err}") from err
             self._describe(message.channel)
@@ -149,7 +148,7 @@ class Stage:
         capability, _, port = channel.topic.partition("/")
         if channel.schema and port and not channel.topic.startswith("@"):
             key = keys.schema(self._robot, capability, port)
-            self._schemas[channel.topic] = self._wire.StaticReply(self._bus, key, lambda: Raw(channel.schema))
+            self._schemas[channel.topic] = wire.StaticReply(self._bus, key, lambda: Raw(channel.schema))
 
 
 def _play(stage: Stage, player: Player, files: tuple[Path, ...], keys: Callable[[float], str]) -> bool:

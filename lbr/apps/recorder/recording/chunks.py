@@ -26,6 +26,8 @@ MOST_BYTES = 64 << 20
 
 A second of everything with cameras is a tenth of that.
 """
+PICTURES = "foxglove.CompressedImage"
+"""The name of a picture's schema, by which viewers of recordings know it."""
 LEVEL = 1
 COMPRESSION = "zstd"
 _MESSAGE = struct.Struct("<BQHIQQ")

@@ -1,6 +1,5 @@
 """Writes recorded messages for other programs: one MCAP file with an index, or a CSV table for each topic."""
 
-import base64
 import csv
 import math
 import re
@@ -13,14 +12,13 @@ import msgspec
 from mcap.writer import CompressionType, Writer
 from msgspec import Struct
 
-from lbr.apps.recorder.recording.chunks import Channel, Message
+from lbr.apps.recorder.recording.chunks import PICTURES, Channel, Message
 from lbr.errors import InputError
 from lbr.messages.unreadable import UNREADABLE
 from lbr.names import first_free
 
 Again = Callable[[], Iterable[Message]]
 """Returns the messages from the start; tables are read twice, first for their columns."""
-PICTURES = "foxglove.CompressedImage"
 LONGEST_LIST = 16
 TIME, SECONDS = "time", "time_s"
 
@@ -28,7 +26,7 @@ TIME, SECONDS = "time", "time_s"
 class _Picture(Struct):
     """The field of a picture that is written into a file."""
 
-    data: str
+    data: bytes
 
 
 def to_mcap(path: Path, messages: Iterable[Message], library: str) -> int:
@@ -113,17 +111,17 @@ def fields(value: object, name: str = "") -> Iterator[tuple[str, object]]:
     if isinstance(value, dict) and value:
         for key, part in value.items():
             yield from fields(part, f"{name}.{key}" if name else str(key))
-    elif isinstance(value, list) and 0 < len(value) <= LONGEST_LIST and not _nested(value):
+    elif (
+        isinstance(value, list)
+        and 0 < len(value) <= LONGEST_LIST
+        and not any(isinstance(p, dict | list) for p in value)
+    ):
         for index, part in enumerate(value):
             yield f"{name}.{index}", part
     elif isinstance(value, dict | list):
         yield name or "value", msgspec.json.encode(value).decode()
     else:
         yield name or "value", value
-
-
-def _nested(values: list[object]) -> bool:
-    return any(isinstance(one, dict | list) for one in values)
 
 
 def decoded(message: Message) -> object:
@@ -165,10 +163,7 @@ def _cell(value: object) -> object:
 def picture_in(one: Message) -> bytes | None:
     """Return the bytes of the picture in a message, or None."""
     picture = one.read(_Picture)
-    try:
-        return base64.b64decode(picture.data, validate=True) if picture is not None else None
-    except ValueError:
-        return None
+    return picture.data if picture is not None else None
 
 
 def _picture(one: Message, folder: Path, called: str, at: datetime) -> str:

@@ -239,7 +239,5 @@ def _command(to: str, taped: TapedCommand, later_ns: int) -> Command | None:
 
 def _common(first: bytes, second: bytes) -> int:
     """Return the length of the common prefix."""
-    for at, (left, right) in enumerate(zip(first, second, strict=False)):
-        if left != right:
-            return at
-    return min(len(first), len(second))
+    shorter = min(len(first), len(second))
+    return next((at for at in range(shorter) if first[at] != second[at]), shorter)

@@ -45,13 +45,8 @@ class Recording:
         self._data = data
         self._size = len(data)
         self._contents = Contents()
-        self._messages: list[tuple[int, bytes]] = []
+        self._messages: list[bytes] = []
         self.spans = list(self._scan())
-
-    @property
-    def start_ns(self) -> int:
-        """The time of its first message; 0 without messages."""
-        return min((span.start_ns for span in self.spans), default=0)
 
     @property
     def end_ns(self) -> int:
@@ -92,7 +87,7 @@ class Recording:
             yield span, partial(read, span)
 
     def _unchunked(self, start_ns: int, end_ns: int) -> Iterator[Message]:
-        for _at, record in self._messages:
+        for record in self._messages:
             try:
                 yield from (one for one in self._contents.read(record) if start_ns <= one.log_ns <= end_ns)
             except DamagedError:
@@ -149,7 +144,7 @@ class Recording:
             if opcode in _LOOSE:
                 self._contents.declare(opcode, body)
             elif opcode == Opcode.MESSAGE:
-                self._messages.append((at, bytes(self._data[at : at + length])))
+                self._messages.append(bytes(self._data[at : at + length]))
             elif opcode == Opcode.METADATA:
                 metadata = chunks.parsed(records.Metadata, body)
                 if metadata.name == "lbr":

@@ -5,7 +5,6 @@ import fcntl
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Self
 
 from lbr.apps.recorder.recording import chunks
 
@@ -33,12 +32,6 @@ class Segment:
             with contextlib.suppress(OSError):
                 path.unlink()  # a file without its beginning would block the next try
             raise
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_exc: object) -> None:
-        self.finish()
 
     def write(self, chunk: bytes) -> None:
         """Write a chunk and sync it; raise OSError if that fails."""

@@ -109,16 +109,11 @@ def file_at(files: Iterable[Path], at_ns: int) -> Path | None:
 def span_ns(files: Iterable[Path]) -> tuple[int, int]:
     """Return the times of the first and last message in files; zeros without messages."""
     first, last = 0, 0
-    ordered = list(files)
-    for path in ordered:
-        try:
-            with reader.opened(path) as file:
-                if file.spans:
-                    begins = _plays_from_ns(file)
-                    first = min(first or begins, begins)
-                    last = max(last, file.end_ns)
-        except InputError:
-            continue
+    for path in files:
+        with suppress(InputError), reader.opened(path) as file:
+            if file.spans:
+                begins = _plays_from_ns(file)
+                first, last = min(first or begins, begins), max(last, file.end_ns)
     return first, last
 
 

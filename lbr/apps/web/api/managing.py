@@ -18,6 +18,7 @@ from lbr.messages.manage import (
     LookAtRows,
     LookAtTokens,
     ManageReply,
+    RenameToken,
     RevokeToken,
     RowChange,
     UndoRows,
@@ -55,6 +56,12 @@ class NameBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A token, by its name."""
 
     name: Annotated[str, Meta(max_length=64)]
+
+
+class CalledBody(NameBody, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A token, by its name, and its name for people."""
+
+    called: Annotated[str, Meta(min_length=1, max_length=40)]
 
 
 class EventsWanted(Struct, frozen=True, kw_only=True):
@@ -105,6 +112,11 @@ class Managing:
     async def _tokens(self, client: Client) -> Managed:
         """The tokens, and their roles."""
         return await self._ask(client, LookAtTokens())
+
+    @post("/api/tokens/rename", role="admin", within_s=WITHIN_S)
+    async def _rename(self, client: Client, body: CalledBody) -> Managed:
+        """Store a token's name for people; the token stays as it is."""
+        return await self._ask(client, RenameToken(name=body.name, called=body.called, by=source_of(client)))
 
     @post("/api/tokens/revoke", role="admin", within_s=WITHIN_S)
     async def _revoke(self, client: Client, body: NameBody) -> Managed:

@@ -78,19 +78,22 @@ class MotionGiven(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     frames: Frames
 
 
-class WriteBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A motion, as an uploaded `MotionGiven` or by its name, and the form of its file."""
+class MotionMeant(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A motion, as an uploaded `MotionGiven` or by its name."""
 
     upload: UploadName | None = None
     motion: Name | None = None
+
+
+class WriteBody(MotionMeant, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A motion, and the form of its file."""
+
     form: Annotated[str, Meta(max_length=11)] = ".json"
 
 
-class CheckBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A motion, as an uploaded `MotionGiven` or by its name; `start` is the joints' position before it."""
+class CheckBody(MotionMeant, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A motion; `start` is the joints' position before it."""
 
-    upload: UploadName | None = None
-    motion: Name | None = None
     start: dict[str, JointRad] = {}
 
 
@@ -108,7 +111,7 @@ class CheckParams(Struct, frozen=True, kw_only=True):
     check: int
 
 
-class VersionParams(Struct, frozen=True, kw_only=True):
+class MotionParams(Struct, frozen=True, kw_only=True):
     """Which motion."""
 
     motion: Annotated[str, Meta(max_length=40)]
@@ -157,6 +160,12 @@ class Building:
         found: MotionGiven = decoded(self._uploads.take(str(client), upload), MotionGiven)
         return found
 
+    def stored(self, name: str) -> Motion:
+        """Return a stored motion; raise Refused for an unknown name."""
+        if (motion := self._robot.motion(name)) is None:
+            raise Refused(404, f"there is no motion '{name}'")
+        return motion
+
     @post("/api/motion/upload", role="operate")
     async def _upload(
         self, client: Client, body: UploadBody
@@ -189,7 +198,7 @@ class Building:
         """Write a motion as a file, in base64, and list what its form cannot express."""
         job = WriteJob(
             robot=self._robot.name,
-            motion=self._meant(client, body.upload, body.motion),
+            motion=self._meant(client, body),
             suffix=body.form.lower(),
             joints=self._robot.joints,
             motors=self._robot.motors,
@@ -197,7 +206,7 @@ class Building:
         return await self._done(job, Written)
 
     @get("/api/motion/versions", within_s=SHORT_S + 1.0)
-    async def _versions(self, params: VersionParams) -> Annotated[Versions, SLOW]:
+    async def _versions(self, params: MotionParams) -> Annotated[Versions, SLOW]:
         """The earlier versions of a motion, newest first."""
         job = VersionsJob(robot=self._robot.name, database=self._database(), motion=params.motion)
         return await self._done(job, Versions)
@@ -206,9 +215,8 @@ class Building:
     async def _check(self, client: Client, body: CheckBody) -> Annotated[Check, NO_MOTION, SLOW]:
         """Play a motion with the simulated body, to check whether it keeps its balance. It moves no robot. Poll for its
         progress; a check without a poll for 5 s is cancelled."""
-        motion = self._meant(client, body.upload, body.motion)
-        known = {one.name: one for one in self._robot.motions}
-        lead_in = known.get(motion.lead_in)
+        motion = self._meant(client, body)
+        lead_in = self._robot.motion(motion.lead_in)
         job = CheckJob(
             robot=self._robot.name,
             home=self._robot.ctx.home,
@@ -258,16 +266,14 @@ class Building:
             raise Refused(404, f"there is no check {check} of yours: begin another")
         return work
 
-    def _meant(self, client: Client, upload: str | None, name: str | None) -> Motion:
+    def _meant(self, client: Client, body: MotionMeant) -> Motion:
         """Return the motion of a request; an uploaded one gets the lead-in of the stored one of its name."""
-        known = {one.name: one for one in self._robot.motions}
-        if upload is not None:
-            given = self.given(client, upload)
-            before = known.get(name or given.name)
+        if body.upload is not None:
+            given = self.given(client, body.upload)
+            before = self._robot.motion(body.motion or given.name)
             lead_in = before.lead_in if before is not None else ""
             return Motion(name=given.name, frames=given.frames, help=given.help, lead_in=lead_in)
-        if (motion := known.get(name or "")) is None:
-            raise Refused(404, f"there is no motion '{name or ''}'")
+        motion = self.stored(body.motion or "")
         if motion.slot is not None:
             text = (
                 f"'{motion.name}' is kept by the robot's controller, in slot {motion.slot}: there is no more of it here"

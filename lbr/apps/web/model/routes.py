@@ -13,7 +13,7 @@ from lbr.apps.bodies.model import body_file, model
 from lbr.apps.bodies.parts import RobotModel
 from lbr.apps.web.contract import Refuses
 from lbr.apps.web.face import Client, Face, Message, Refused, Request, Route, declared, encoded, get, post
-from lbr.apps.web.model.building import Building, UploadName
+from lbr.apps.web.model.building import Building, MotionParams, UploadName
 from lbr.apps.web.model.poses import key_pose
 from lbr.apps.web.robot import EDIT_S, Robot
 from lbr.messages.codes import heard
@@ -27,12 +27,6 @@ class Poses(Struct, frozen=True, kw_only=True):
     """A characteristic pose of each motion, in radians by joint."""
 
     poses: dict[str, dict[str, float]]
-
-
-class MotionParams(Struct, frozen=True, kw_only=True):
-    """Which motion."""
-
-    motion: Annotated[str, Meta(max_length=40)]
 
 
 class MotionBody(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -95,10 +89,7 @@ class ModelFace(Face):
     @get("/api/motion")
     async def _motion(self, params: MotionParams) -> Annotated[Motion, Refuses({404: "There is no such motion."})]:
         """A motion with all its key frames."""
-        motion = self._named(params.motion)
-        if motion is None:
-            raise Refused(404, f"there is no motion '{params.motion}'")
-        return motion
+        return self._building.stored(params.motion)
 
     @post("/api/motion", role="admin", within_s=EDIT_S + 1.0)
     async def _keep(
@@ -108,7 +99,7 @@ class ModelFace(Face):
         frames = body.frames if body.upload is None else self._building.given(client, body.upload).frames
         if not frames:
             raise Refused(400, f"motion '{body.name}' has no key frames")
-        before = self._named(body.name)
+        before = self._robot.motion(body.name)
         motion = Motion(name=body.name, frames=frames, help=body.help)
         if before is not None and body.replace:
             motion = replace(motion, lead_in=before.lead_in, lead_out=before.lead_out, help=body.help or before.help)
@@ -116,9 +107,6 @@ class ModelFace(Face):
         if not reply.accepted:
             raise Refused(409, heard(reply.code, reply.reason))
         return Message(message=f"motion '{motion.name}' is kept")
-
-    def _named(self, name: str) -> Motion | None:
-        return next((motion for motion in self._robot.motions if motion.name == name), None)
 
     def _newest(self) -> tuple[bytes, str]:
         robot = self._robot

@@ -90,7 +90,7 @@ class Editor:
         number = self._free() if body.id is None else body.id
         if number in self._buttons.buttons:
             raise Refused(409, f"Motion '{number}' exists already; PUT /motions/{number} changes it", code="exists")
-        if any(motion.name == body.name for motion in self._robot.motions):
+        if self._robot.motion(body.name) is not None:
             raise Refused(409, f"A motion '{body.name}' exists already", code="exists")
         return await self._write_motion(request, body, number, create=True)
 
@@ -196,7 +196,7 @@ class Editor:
         return _answer(MotorRowAnswer(row, revision), status)
 
     def _motion_answer(self, button: Button, revision: int, status: int = 200) -> Response:
-        motion = next((each for each in self._robot.motions if each.name == button.motion), None)
+        motion = self._robot.motion(button.motion)
         frames = () if motion is None else motion.frames
         slot_s = None if motion is None else motion.slot_s
         row = MotionRow(

@@ -66,7 +66,7 @@ class Player:
             self._lost(why.text)
 
     def _takes_s(self) -> float:
-        row = next((motion for motion in self._robot.motions if motion.name == self._command.motion), None)
+        row = self._robot.motion(self._command.motion)
         if row is None:
             return 0.0
         return row.slot_s if row.slot_s is not None else sum(frame.duration_s for frame in row.frames)

@@ -13,6 +13,7 @@ from lbr.apps.recorder.recording.chunks import Channel, Channels
 from lbr.apps.recorder.recording.segments import Segment, in_use
 from lbr.apps.recorder.recording.shelf import Shelf
 from lbr.errors import InputError
+from tests.support.segments import finished
 
 DRIVE = Channel("drive/state", "json", "DriveState", b'{"type":"object"}')
 EVENT = Channel("@event", "json", "Event", b'{"type":"object","title":"Event"}')
@@ -118,7 +119,7 @@ def test_a_stream_whose_schema_changed_has_both(tmp_path):
     channels = Channels()
     old, new = (Channel("drive/state", "json", "DriveState", schema) for schema in (b'{"a":1}', b'{"b":1}'))
     path = tmp_path / "two.mcap"
-    with Segment(path, "a test", {}) as segment:
+    with finished(Segment(path, "a test", {})) as segment:
         for at, channel in ((1, old), (2, new)):
             number, before = channels.number(channel), b""
             segment.write(
@@ -180,7 +181,7 @@ def test_what_is_said_again_at_the_beginning_of_a_file_is_one_message(tmp_path):
         written(path, 1, channel=EVENT)
     found = [one.sequence for one in selection.messages([files[0]])]
     channels = Channels()
-    with Segment(tmp_path / "3.mcap", "a test", {}) as segment:
+    with finished(Segment(tmp_path / "3.mcap", "a test", {})) as segment:
         number = channels.number(EVENT)
         again = chunks.message(number, PER_CHUNK, 9001, 9007, b'{"power": 9}')
         segment.write(chunks.chunk([channels.schemas, channels.of([number]), again], 9001, 9001))
@@ -213,7 +214,7 @@ def test_a_recording_of_one_chunk_spans_its_last_round_without_what_was_said_lon
     number = channels.number(DRIVE)
     times = [end_ns - round(repeated_s * 1e9), end_ns]
     parts = [chunks.message(number, n, at, at, b"{}") for n, at in enumerate(times, start=1)]
-    with Segment(path, "a test", about) as segment:
+    with finished(Segment(path, "a test", about)) as segment:
         segment.write(chunks.chunk([channels.schemas, channels.of([number]), *parts], *times))
     first, last = selection.span_ns([path])
     assert ((last - first) / 1e9, last) == (length_s, end_ns)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 
 from lbr.apps.recorder.recording import export
-from lbr.apps.recorder.recording.chunks import Channel, Message
+from lbr.apps.recorder.recording.chunks import PICTURES, Channel, Message
 
 DRIVE = Channel("drive/state", "json", "DriveState", b'{"type":"object"}')
 JSON = st.recursive(
@@ -58,7 +58,7 @@ def test_pictures_become_files(tmp_path):
     import base64
 
     picture = {"format": "jpeg", "data": base64.b64encode(b"\xff\xd8\xff\xd9").decode()}
-    channel = Channel("camera_front/frame", "json", export.PICTURES, b"{}")
+    channel = Channel("camera_front/frame", "json", PICTURES, b"{}")
     export.to_csv(tmp_path, lambda: [said(msgspec.json.encode(picture), 1, channel), said(b"{}", 2, channel)])
     (file,) = tmp_path.glob("*.jpg")
     assert file.read_bytes() == b"\xff\xd8\xff\xd9"

@@ -6,6 +6,7 @@ from lbr.apps.recorder.recording import chunks
 from lbr.apps.recorder.recording.chunks import Channel, Channels
 from lbr.apps.recorder.recording.history import history, value_of
 from lbr.apps.recorder.recording.segments import Segment
+from tests.support.segments import finished
 
 S = 1_000_000_000
 VOLTS, SPEED = "battery/state.voltage_v", "odometry/state.speed_mps"
@@ -15,7 +16,7 @@ def recorded(path, start_s, end_s):
     """Write a file with a chunk for each second: a voltage that is its second, and the first chunk with what was last."""
     channels = Channels()
     number = channels.number(Channel("battery/state", "json", "", b""))
-    with Segment(path, "a test", {}) as file:
+    with finished(Segment(path, "a test", {})) as file:
         for second in range(start_s, end_s):
             said = [chunks.message(number, 0, second * S + at, 0, b'{"voltage_v": %d}' % second) for at in (0, 1)]
             file.write(chunks.chunk([channels.of([number]), *said], second * S, second * S + 1))

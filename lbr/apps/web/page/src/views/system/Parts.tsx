@@ -48,7 +48,7 @@ export function Parts() {
   const restart = async (name: string): Promise<void> => {
     ask("");
     const answer = await consoleLine(`/restart/${name}`);
-    if (answer.ok) notice(t("system.restarted", { name }), "good");
+    if (answer.ok) notice(t("system.restarted", { name: plain(name) }), "good");
   };
   return (
     <div class="stack">
@@ -71,7 +71,7 @@ export function Parts() {
       ><p>{t("system.disable.text")}</p></Dialog>
       {log && <Log name={log} onClose={() => read("")} />}
       <Dialog
-        title={t("system.restart.title", { name: restarts })} open={restarts !== ""} onClose={() => ask("")}
+        title={t("system.restart.title", { name: plain(restarts) })} open={restarts !== ""} onClose={() => ask("")}
         actions={<><Button kind="quiet" onClick={() => ask("")}>{t("dialog.cancel")}</Button><Button kind="primary" icon="restart" onClick={() => void restart(restarts)}>{t("system.restart")}</Button></>}
       ><p>{t("system.restart.text")}</p></Dialog>
     </div>
