@@ -41,9 +41,9 @@ for path in sys.argv[1:]:
 
 @pytest.fixture
 def tree(tmp_path: Path) -> Path:
-    """lbr as its source stands, to be changed."""
+    """lbr as its source stands, with what was compiled of it, to be changed."""
     copy = tmp_path / "project"
-    kept = shutil.ignore_patterns("__pycache__", "node_modules", "page")
+    kept = shutil.ignore_patterns("*.pyc.*", "node_modules", "page")
     shutil.copytree(ROOT / "lbr", copy / "lbr", ignore=kept)
     shutil.copytree(ROOT / "docs" / "reference", copy / "docs" / "reference")
     for name in ("docs/generate.py", "docs/drivers.md", "robot.db.sql", "pyproject.toml"):

@@ -3,7 +3,7 @@ from itertools import cycle
 
 import pytest
 
-from lbr.drivers.dynamixel import table
+from lbr.drivers.dynamixel import setup, table
 from lbr.drivers.dynamixel.bus import open_bus
 from lbr.drivers.dynamixel.setup import Setup, find_servos
 from lbr.drivers.servos.bus_thread import READ, STOP, WRITE, BusThread
@@ -48,7 +48,9 @@ def test_it_finds_reads_and_writes_servos(chain, bus):
     until(lambda: chain.servos[1].torque == chain.servos[3].torque == 1023)
 
 
-def test_servos_are_looked_for_at_each_speed_on_request(chain):
+def test_servos_are_looked_for_at_each_speed_on_request(chain, monkeypatch):
+    patient = lambda path, **given: open_bus(path, **{**given, "margin_s": 0.2})  # noqa: E731 - a peer that is held up
+    monkeypatch.setattr(setup, "open_bus", patient)
     found = list(find_servos(str(chain.path), (1_000_000, 57_600), (1, 3, 9)))
     assert found[:2] == [(1_000_000, 1), (1_000_000, 3)]
     assert {servo for _, servo in found} == {1, 3}
