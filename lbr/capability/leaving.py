@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 CRASHED = 70
-RUNTIME = re.compile(r"/lbr/(?:capability/|plugins\.py\Z)|^<frozen |/importlib/__init__\.py\Z")
+RUNTIME = re.compile(r"/lbr/(?:capability/|plugins\.py\Z)|^<frozen |/lib\d*/python3\.\d+t?/(?!(?:site|dist)-packages/)")
 """Files whose lines do not explain a fault in somebody else's file."""
 CLOSE_LIMIT_S = 0.5
 
@@ -19,7 +19,7 @@ def within(seconds: float) -> None:
 
 
 def text(err: BaseException) -> str:
-    """Return an exception as text, with its file and line: the last one outside the runtime."""
+    """Return an exception as text, with its file and line: the last one outside runtime and standard library."""
     with suppress(Exception):  # not even its text can be had
         frames = traceback.extract_tb(err.__traceback__)
         last = next((frame for frame in reversed(frames) if not RUNTIME.search(frame.filename)), None)

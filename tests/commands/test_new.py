@@ -54,6 +54,19 @@ def test_its_own_tests_pass(what, written, environment):
 
 @pytest.mark.slow_start
 @pytest.mark.timeout(120)
+def test_a_driver_of_a_device_that_seldom_speaks_passes_them_too(tmp_path):
+    folder = scaffold.write("driver", "hexa-rain", tmp_path)
+    for name, usual, slow in (("twin", "] = 0.1", "] = 30.0"), ("kind", "] = 1.0", "] = 60.0")):
+        module = folder / "hexa_rain" / f"{name}.py"
+        assert module.read_text().count(usual) == 1
+        module.write_text(module.read_text().replace(usual, slow))
+    environment = os.environ | {"PYTHONPATH": of_project(folder, tmp_path / "site"), "LBR_HOME": str(tmp_path / "home")}
+    done = run("pytest", "-q", "-p", "no:cacheprovider", "-k", "silent or bad_line", cwd=folder, env=environment)
+    assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]
+
+
+@pytest.mark.slow_start
+@pytest.mark.timeout(120)
 def test_they_pass_the_checks_that_lbr_passes(written, environment, tmp_path):
     """All of them in one test, so that mypy reads lbr once: what it knows of it is kept in between."""
     ruff = ("--no-cache", "--config", str(ROOT / "pyproject.toml"), ".")
