@@ -34,7 +34,7 @@ export function Stage() {
     <section class="drive-stage" aria-label={t("drive.stage")}>
       {picture === "camera" && <Camera names={cameras.map((one) => one.name)} />}
       {picture === "map" && <MapView />}
-      {picture === "radar" && <Radar class="drive-radar-large" />}
+      {picture === "radar" && <Radar reach={3} class="drive-radar-large" />}
       {picture === undefined && <Empty icon="camera" title={t("drive.camera.none")} />}
       <Heading />
       {caller() && <Phone />}

@@ -35,7 +35,7 @@ function Tools({ of }: { of: Capability }) {
   };
   return (
     <div class="system-box" role="group" aria-label={t("box.title")}>
-      <Button kind="quiet" icon="mark" onClick={() => void ask("mark", {})}>{t("box.mark")}</Button>
+      <Button kind="quiet" icon="mark" onClick={() => void ask("mark", {}, t("box.marked"))}>{t("box.mark")}</Button>
       <Button kind={recording ? "danger" : "quiet"} icon={recording ? "pause" : "record"} onClick={() => void (recording ? end() : ask("record", { cameras: true }, t("box.records")))}>
         {recording ? t("box.end") : t("box.record")}
       </Button>
