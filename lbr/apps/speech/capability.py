@@ -23,8 +23,8 @@ from lbr.messages.leases import CommandReply
 from lbr.messages.speech import HushCommand, Phrase, PlayReply, SayCommand, SongCommand, SpeechState
 
 RECORDING = "<"
-BUSY_HZ, IDLE_HZ = 20.0, 5.0
-STATE_EVERY_S = 1.0
+BUSY_HZ, IDLE_HZ = 20.0, 2.0
+STATE_EVERY_S = 0.95
 FAREWELL_S = 0.5
 TEXT_TOLD = 200
 

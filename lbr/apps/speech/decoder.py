@@ -45,7 +45,7 @@ class Decoder:
             why = f"{job.source} was not decoded within {LIMIT_S:.0f} s"
         elif code != 0:
             why = self._last_line() or f"the decoder died ({code})"
-        self._end()
+        self.close()
         if not why and not hushed:
             try:
                 job.sound = wav.read(path)
@@ -75,7 +75,7 @@ class Decoder:
                 start_new_session=True,  # a scheduling group of its own, like the engine's
             )
         except OSError as err:
-            self._end()
+            self.close()
             self._jobs.drop(job)
             return [(job, f"the decoder cannot be started: {err.strerror}")]
         self._until = self._clock() + LIMIT_S
@@ -83,9 +83,6 @@ class Decoder:
 
     def close(self) -> None:
         """End the current process."""
-        self._end()
-
-    def _end(self) -> None:
         popen, words = self._popen, self._words
         self._popen = self._job = self._words = None
         if popen is not None:

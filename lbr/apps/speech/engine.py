@@ -21,8 +21,6 @@ from lbr.capability.border import border
 from lbr.errors import LbrError, told
 
 INSTALL = "`sudo apt install espeak-ng` brings one"
-
-
 ESPEAK = "espeak"
 
 

@@ -17,6 +17,8 @@ START_S = 20.0
 RETRY_FIRST_S = 1.0
 RETRY_MOST_S = 30.0
 ANSWER_BYTES = 65536
+RESTS_AFTER_S = 60.0
+"""An engine without a text for so long is ended, and the next text starts another: it has twice the memory of speech."""
 
 
 class Worker:
@@ -30,51 +32,60 @@ class Worker:
         self._clock = clock
         self._program = tuple(program)
         self._popen: subprocess.Popen[bytes] | None = None
-        self._received = b""
-        self._greeted = False
-        self._asked = False
-        self._until = 0.0
+        self._received = self._text = b""
+        self._greeted = self._starts = False
+        self._until = self._limit_s = 0.0
         self._retry_at = 0.0
         self._retry_s = RETRY_FIRST_S
 
     @property
     def started(self) -> bool:
-        """Return whether the engine runs, busy or not."""
+        """Return whether there is an engine, busy, idle or at rest."""
         return self._greeted
 
     @property
     def idle(self) -> bool:
         """Return whether it is ready for a text."""
-        return self._greeted and not self._asked
+        return self._greeted and not self._text
 
     def write(self, request: Request, limit_s: float) -> None:
         """Send a text; only when idle."""
         assert self.idle
-        assert self._popen is not None
-        assert self._popen.stdin is not None
-        self._asked, self._until = True, self._clock() + limit_s
-        with suppress(OSError):  # the process is dead, which `poll` notices
-            os.write(self._popen.stdin.fileno(), msgspec.json.encode(request) + b"\n")
+        self._text, self._limit_s = msgspec.json.encode(request) + b"\n", limit_s
+        if self._popen is not None:
+            self._send(self._popen)
 
     def poll(self) -> Answer | None:
         """Return the result of the text, once there is one; start the process again if need be."""
         if self._popen is None:
-            self._start_when_due()
-            return None
+            return None if self.idle else self._start_when_due()
         answer = self._read()
         if answer is not None:
             return self._take(answer)
-        if self._popen.poll() is not None:
-            return self._lost(f"the speech engine died ({self._how()})")
-        if not self._clock() < self._until and (self._asked or not self._greeted):
-            doing = "this text" if self._asked else "its start"
+        if (code := self._popen.poll()) is not None:
+            how = f"signal {-code}" if code < 0 else f"exit code {code}"
+            return self._lost(f"the speech engine died ({how})")
+        if self.idle:
+            if self._clock() - self._until > RESTS_AFTER_S:
+                self._end()
+        elif not self._clock() < self._until:
+            doing = "its start" if self._starts else "this text"
             return self._lost(f"the speech engine did not come to an end with {doing}")
         return None
 
     def close(self) -> None:
-        """End the process."""
+        """End the process, and forget its text."""
+        self._greeted, self._text = False, b""
+        self._end()
+
+    def _send(self, popen: "subprocess.Popen[bytes]") -> None:
+        assert popen.stdin is not None
+        self._until = self._clock() + self._limit_s
+        with suppress(OSError):  # the process is dead, which `poll` notices
+            os.write(popen.stdin.fileno(), self._text)
+
+    def _end(self) -> None:
         popen, self._popen = self._popen, None
-        self._greeted = self._asked = False
         if popen is not None:
             popen.kill()
             popen.wait()
@@ -82,10 +93,10 @@ class Worker:
                 assert pipe is not None
                 pipe.close()
 
-    def _start_when_due(self) -> None:
+    def _start_when_due(self) -> Answer | None:
         if self._clock() < self._retry_at:
-            return
-        self._received = b""
+            return None
+        self._received, self._starts = b"", True
         try:
             self._popen = subprocess.Popen(
                 dying_with_parent(self._program),
@@ -95,13 +106,13 @@ class Worker:
                 start_new_session=True,  # a scheduling group of its own, so that it does not delay our heartbeat
             )
         except OSError as err:
-            self._lost(f"the speech engine cannot be started: {err.strerror}")
-            return
+            return self._lost(f"the speech engine cannot be started: {err.strerror}")
         assert self._popen.stdin is not None
         assert self._popen.stdout is not None
         os.set_blocking(self._popen.stdin.fileno(), False)  # one text fits into the pipe
         os.set_blocking(self._popen.stdout.fileno(), False)
         self._until = self._clock() + START_S
+        return None
 
     def _read(self) -> Answer | None:
         assert self._popen is not None
@@ -120,14 +131,17 @@ class Worker:
             return Answer(reason="the speech engine sent an unreadable answer")
 
     def _take(self, answer: Answer) -> Answer | None:
-        if self._asked:
-            self._asked = False
+        assert self._popen is not None
+        starts, self._starts = self._starts, False
+        self._until = self._clock()
+        if not starts:
+            self._text = b""
             return answer
         if answer.reason:
             return self._lost(answer.reason)
-        self._greeted, self.trouble = True, ""
-        self._until = self._clock()
-        self._retry_s = RETRY_FIRST_S
+        self._greeted, self.trouble, self._retry_s = True, "", RETRY_FIRST_S
+        if self._text:
+            self._send(self._popen)
         return None
 
     def _lost(self, why: str) -> Answer | None:
@@ -135,7 +149,7 @@ class Worker:
 
         A crash on a text does not affect the next text; an engine that does not start is trouble.
         """
-        asked = self._asked
+        asked = bool(self._text)
         self.close()
         if asked:
             return Answer(reason=why)
@@ -143,8 +157,3 @@ class Worker:
         self._retry_at = self._clock() + self._retry_s
         self._retry_s = min(2 * self._retry_s, RETRY_MOST_S)
         return None
-
-    def _how(self) -> str:
-        assert self._popen is not None
-        code = self._popen.returncode
-        return f"signal {-code}" if code < 0 else f"exit code {code}"
