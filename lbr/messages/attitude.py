@@ -15,7 +15,7 @@ class AttitudeState(Struct, frozen=True, kw_only=True):
     and yaw in `orientation` (w, x, y, z, body to world) continues by gyro. `turned_deg`: the turn since `epoch`
     began, clockwise, past 360, without jumps; another `epoch` starts over. `gyro_bias_rps`: along the body's axes.
     `magnetic`: the magnetometer is used now. `calibrated`: it was ever calibrated. `still`: the body does not turn.
-    `rests`: nor does the base drive; published twice a second. `measured_s`: monotonic time of its sample.
+    `rests`: it, or its base, also stands; published twice a second. `measured_s`: monotonic time of its sample.
     """
 
     valid: bool

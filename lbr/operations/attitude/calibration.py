@@ -4,6 +4,9 @@ from dataclasses import dataclass
 from datetime import datetime
 from math import inf
 from pathlib import Path
+from typing import Literal
+
+from msgspec.structs import replace
 
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
@@ -126,17 +129,9 @@ class Calibration:
             return
         self._pending = None
         doubt = f"; the heading is not known yet: {state.heading_reason}" if state.heading_deg is None else ""
-        solution = pending.solution
-        self._done(
-            pending.samples,
-            pending.wanted,
-            _summary(solution) + doubt,
-            residual=solution.residual,
-            coverage=solution.coverage,
-        )
-        self._draw(
-            pending.samples, solution.calibration, pending.file, f"{solution.residual:.1%} of the field left over"
-        )
+        samples, solution = pending.samples, pending.solution
+        self._done(samples, pending.wanted, _summary(solution) + doubt, solution)
+        self._draw(samples, solution.calibration, pending.file, f"{solution.residual:.1%} of the field left over")
 
     def step(self) -> None:
         """Renew the motion, check for enough samples, and publish progress."""
@@ -195,21 +190,14 @@ class Calibration:
         if now - self._published_s < PUBLISH_S:
             return
         self._published_s = now
-        self._progress = CalibrationProgress(
-            phase="collecting",
-            collected=len(collection.samples),
-            wanted=collection.wanted,
-            coverage=collection.samples.coverage,
-            text=text,
-        )
-        self._ctx.publish("calibration", self._progress)
+        self._publish(_progress("collecting", collection.samples, collection.wanted, text))
 
     def _give_up(self, collection: Collection, reason: Reason) -> None:
         self._collection = None
         if collection.call is not None:
             collection.call.refuse(reason)
         self._save(collection.samples)
-        self._refused(len(collection.samples), collection.wanted, collection.samples.coverage, reason)
+        self._refused(collection.samples, collection.wanted, reason)
 
     def _finish(self, collection: Collection) -> None:
         collection.spin.release("the samples for the compass are collected")
@@ -235,14 +223,11 @@ class Calibration:
 
     def _fit(self, samples: Samples, wanted: int, file: Path | None) -> str:
         """Fit and store the calibration; return the reason for a failure, or an empty string."""
-        self._progress = CalibrationProgress(
-            phase="fitting", collected=len(samples), wanted=wanted, coverage=samples.coverage
-        )
-        self._ctx.publish("calibration", self._progress)
+        self._publish(_progress("fitting", samples, wanted))
         try:
             solution = fit(samples.mags_ut, samples.ups, self._ctx.settings)
         except FitError as err:
-            self._refused(len(samples), wanted, samples.coverage, Reason("failed", str(err)))
+            self._refused(samples, wanted, Reason("failed", str(err)))
             self._draw(samples, None, file, "refused")
             return str(err)
         self._ctx.learn(*measured(self._ctx.settings.device, solution.calibration.values()))
@@ -250,34 +235,16 @@ class Calibration:
         self._pending = PendingReport(samples, wanted, solution, file, self._ctx.clock() + HEADING_S)
         return ""
 
-    def _done(
-        self,
-        samples: Samples,
-        wanted: int,
-        text: str,
-        *,
-        residual: float | None = None,
-        coverage: float | None = None,
-    ) -> None:
-        self._progress = CalibrationProgress(
-            phase="done",
-            collected=len(samples),
-            wanted=wanted,
-            coverage=samples.coverage if coverage is None else coverage,
-            text=text,
-            residual=residual,
-        )
-        self._ctx.publish("calibration", self._progress)
-        data = {"samples": len(samples), "residual": residual}
-        self._ctx.event(
-            "calibrated" if residual is not None else "calibration_shown", f"the compass: {text}", data=data
-        )
+    def _done(self, samples: Samples, wanted: int, text: str, solution: Fit | None = None) -> None:
+        done = _progress("done", samples, wanted, text)
+        if solution is not None:
+            done = replace(done, residual=solution.residual, coverage=solution.coverage)
+        self._publish(done)
+        data = {"samples": len(samples), "residual": done.residual}
+        self._ctx.event("calibrated" if solution else "calibration_shown", f"the compass: {text}", data=data)
 
-    def _refused(self, collected: int, wanted: int, coverage: float, reason: Reason) -> None:
-        self._progress = CalibrationProgress(
-            phase="refused", collected=collected, wanted=wanted, coverage=coverage, text=reason.text
-        )
-        self._ctx.publish("calibration", self._progress)
+    def _refused(self, samples: Samples, wanted: int, reason: Reason) -> None:
+        self._publish(_progress("refused", samples, wanted, reason.text))
         self._ctx.event(
             "calibration_refused", f"the compass is not calibrated: {reason}", level="warning", code=reason.code
         )
@@ -307,21 +274,18 @@ class Calibration:
         except OSError as err:
             self._ctx.event("calibration_picture", f"no picture was drawn: {err}", level="warning")
             return
-        self._tell(picture=str(path), text=f"{self._progress.text}; drawn in {path}")
+        self._publish(replace(self._progress, picture=str(path), text=f"{self._progress.text}; drawn in {path}"))
         self._ctx.event("calibration_picture", f"the calibration of the compass is drawn in {path}")
 
-    def _tell(self, *, picture: str, text: str) -> None:
-        last = self._progress
-        self._progress = CalibrationProgress(
-            phase=last.phase,
-            collected=last.collected,
-            wanted=last.wanted,
-            coverage=last.coverage,
-            text=text,
-            picture=picture,
-            residual=last.residual,
-        )
-        self._ctx.publish("calibration", self._progress)
+    def _publish(self, progress: CalibrationProgress) -> None:
+        self._progress = progress
+        self._ctx.publish("calibration", progress)
+
+
+def _progress(
+    phase: Literal["collecting", "fitting", "done", "refused"], samples: Samples, wanted: int, text: str = ""
+) -> CalibrationProgress:
+    return CalibrationProgress(phase=phase, collected=len(samples), wanted=wanted, coverage=samples.coverage, text=text)
 
 
 def _summary(solution: Fit) -> str:

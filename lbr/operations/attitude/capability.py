@@ -1,6 +1,6 @@
 """Attitude as a capability: every sample goes through the fusion, whose state is published at a fixed rate."""
 
-from math import inf, isfinite
+from math import cos, inf, isfinite, radians
 
 from msgspec.structs import replace
 
@@ -21,7 +21,11 @@ TELL_S = 0.5
 STILL_S = 0.07
 """The period of reports of a body that does not turn: every second tick at the default rate."""
 RESTS_AFTER_S, RESTING_S = 1.0, 0.5
-"""After a second without a turn, or since its zero was learnt, the body of a standing base is reported at long periods."""
+"""After a second without a turn, or since its zero was learnt, a body that stands is reported at long periods."""
+SAME_S = 0.15
+"""So long after the last sample, a body at rest is as it was; a unit at rest has a sample more often."""
+STANDS_RAD = radians(45.0)
+"""The lean up to which a body without a base stands. A fall is one of 60 degrees, and no body gets there unnoticed."""
 
 
 class Attitude(Capability[AttitudeSettings]):
@@ -41,7 +45,8 @@ class Attitude(Capability[AttitudeSettings]):
         self._known_s = -inf
         self._warned = ""
         self._published: AttitudeState | None = None
-        self._published_s = self._turned_s = -inf
+        self._published_s = self._turned_s = self._felt_s = -inf
+        self._on_wheels = bool(ctx.sources("drive") or ctx.targets("motion"))
 
     def open(self) -> None:
         """Publish a warning if the stored calibration cannot be used."""
@@ -52,11 +57,12 @@ class Attitude(Capability[AttitudeSettings]):
 
     def step(self) -> None:
         """Process the samples; publish at the fixed rate."""
+        now = self.ctx.clock()
         for received in self.ctx.take("samples"):
+            self._felt_s = now
             self._fusion.feel(received.message, received.arrived)
             self._calibration.take(received.message)
-        if self.ctx.on_tick:
-            now = self.ctx.clock()
+        if self.ctx.on_tick and not self._is_same(now):
             state = self._resting(self._fusion.state(now), now)
             if now - self._published_s >= self._period_s(state):
                 self._published, self._published_s = state, now
@@ -92,12 +98,21 @@ class Attitude(Capability[AttitudeSettings]):
         self._calibration.close()
 
     def _resting(self, state: AttitudeState, now: float) -> AttitudeState:
-        """Return the state, with its flag if body and base are at rest; without a drive it is never set."""
-        if not (state.valid and state.still) and isfinite(self._known_s):
-            self._turned_s = now
+        """Return the state, with its flag if body and base are at rest, or a body without a base stands still."""
+        if not (state.valid and state.still):
+            self._turned_s = now if isfinite(self._known_s) else -inf
+        elif now - self._turned_s >= RESTS_AFTER_S:
+            return replace(state, rests=self._base_stands(now) if self._on_wheels else _stands(state))
+        return state
+
+    def _base_stands(self, now: float) -> bool:
         drive = self.ctx.latest("drive")
-        stands = drive is not None and not drive.message.moving and drive.age_s(now) <= RESTS_S
-        return replace(state, rests=True) if stands and now - self._turned_s >= RESTS_AFTER_S else state
+        return drive is not None and not drive.message.moving and drive.age_s(now) <= RESTS_S
+
+    def _is_same(self, now: float) -> bool:
+        """Return whether nothing can have changed: at rest, between two samples and before the next report."""
+        rests = self._published is not None and self._published.rests and now - self._published_s < RESTING_S
+        return rests and 0.0 < now - self._felt_s < SAME_S and (not self._on_wheels or self._base_stands(now))
 
     def _period_s(self, state: AttitudeState) -> float:
         """Return the time between the previous state and this one: 0 for a change."""
@@ -123,6 +138,10 @@ class Attitude(Capability[AttitudeSettings]):
         elif now - self._known_s > TELL_S and _gist(state.reason) != _gist(self._warned):
             self._warned = state.reason
             self.ctx.warn(state.reason, "stale_sensor" if isfinite(self._known_s) else "not_ready")
+
+
+def _stands(state: AttitudeState) -> bool:
+    return cos(state.roll_rad or 0.0) * cos(state.pitch_rad or 0.0) > cos(STANDS_RAD)
 
 
 def _kind(state: AttitudeState) -> tuple[object, ...]:

@@ -5,7 +5,7 @@ It has the interface of `Fusion`, without heading and turned angle.
 """
 
 from collections.abc import Mapping
-from math import asin, atan2, exp, isfinite
+from math import asin, atan2, cos, exp, isfinite, radians
 from typing import Any
 
 from lbr.messages.attitude import AttitudeState
@@ -18,6 +18,8 @@ from lbr.operations.attitude.settings import AttitudeSettings
 NO_GYRO = "the inertial unit has no gyro and no compass"
 SMOOTH_S = 0.15
 """The smoothing time: steps shake the trunk, and shorter motions hardly count."""
+STILL = cos(radians(2.0))
+"""The lean of a still body stays within two degrees."""
 LEAST_MPS2 = 1.0
 """The shortest mean acceleration that still has a direction."""
 
@@ -32,6 +34,8 @@ class Gravity:
         self.epoch = f"{name}-1"
         self._mount = settings.mounting.matrix()
         self._accel: Vector = (0.0, 0.0, 0.0)
+        self._like: Vector = (0.0, 0.0, 0.0)
+        self._still = False
         self._measured_s: float | None = None
         self._arrived_s: float | None = None
         self._began_s: float | None = None
@@ -68,6 +72,9 @@ class Gravity:
         share = 1.0 if afresh or gap_s is None else 1.0 - exp(-gap_s / SMOOTH_S)
         x, y, z = (old + share * (new - old) for old, new in zip(self._accel, accel, strict=True))
         self._accel, self._missed = (x, y, z), ""
+        up = self._up()
+        self._still = dot(up, self._like) >= STILL
+        self._like = self._like if self._still else up
         self._measured_s, self._arrived_s = sample.time_s, arrived_s
         self._began_s = sample.time_s if afresh or self._began_s is None else self._began_s
 
@@ -85,6 +92,7 @@ class Gravity:
             pitch_rad=asin(max(-1.0, min(1.0, -x))),
             code="not_possible",
             heading_reason=NO_GYRO,
+            still=self._still,
             **known,
         )
 

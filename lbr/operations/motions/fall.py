@@ -8,6 +8,7 @@ from msgspec.structs import replace
 
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.codes import Reason
+from lbr.messages.motors import RESTS_S
 
 Lies = Literal["", "face", "back", "side"]
 FALLEN_RAD, UPRIGHT_RAD = radians(60.0), radians(35.0)
@@ -42,8 +43,8 @@ def refusal(state: Fall, motion: str) -> Reason | None:
 
 def seen(state: Fall, attitude: AttitudeState, now: float) -> Fall:
     """Return the state after an attitude; one that is old, invalid or not finite changes nothing."""
-    roll, pitch = attitude.roll_rad, attitude.pitch_rad
-    if not attitude.valid or roll is None or pitch is None or not now - attitude.measured_s <= OLDEST_S:
+    roll, pitch, oldest_s = attitude.roll_rad, attitude.pitch_rad, RESTS_S if attitude.rests else OLDEST_S
+    if not attitude.valid or roll is None or pitch is None or not now - attitude.measured_s <= oldest_s:
         return replace(state, since=None)
     upright = cos(roll) * cos(pitch)
     if not -1.0 <= upright <= 1.0:

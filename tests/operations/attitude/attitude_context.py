@@ -63,9 +63,10 @@ class FakeDrive:
 class AttitudeContext(FakeContext):
     """The context of an attitude; `run` lets time pass for it, its inertial unit and its drive."""
 
-    def __init__(self, home, imu=None, **settings):
+    def __init__(self, home, imu=None, wired=None, **settings):
         self.imu = imu or MadeUpImu()
-        super().__init__(KIND, AttitudeSettings(device="imu", **settings), name="attitude", home=str(home))
+        given = {"name": "attitude", "home": str(home), "wired": wired or {}}
+        super().__init__(KIND, AttitudeSettings(device="imu", **settings), **given)
         self.drive = FakeDrive()
         self.deaf = False
         self.capability = Attitude(self)

@@ -68,3 +68,12 @@ def test_what_is_old_missing_or_no_body_at_rest_is_not_known():
     assert "40.0 m/s²" in gravity.state(now).reason
     gravity, now = after([(0.0, 0.0, float("nan"))] * 5)
     assert not gravity.state(now).valid
+
+
+def test_a_body_whose_lean_stays_is_still_until_it_leans():
+    gravity, now = after([felt(0.02 * (step % 2), 0.1) for step in range(20)])
+    assert gravity.state(now).still
+    gravity, now = after([felt(0.0, 0.3)], since=now, gravity=gravity)
+    assert not gravity.state(now).still
+    gravity, now = after([felt(0.0, 0.3)] * 20, since=now, gravity=gravity)
+    assert gravity.state(now).still

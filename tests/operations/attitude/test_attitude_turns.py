@@ -1,8 +1,14 @@
 """Turns are watched and told; nothing is ever stopped for them."""
 
+from math import degrees, radians
+
 import pytest
+from msgspec.structs import replace
 
 from lbr.messages.drive import DriveState
+from lbr.operations.motions.fall import Fall, seen
+from tests.operations.attitude.attitude_context import AttitudeContext
+from tests.operations.attitude.imu_bench import MadeUpImu
 
 
 def turn(bench, degrees, rate_dps=50.0):
@@ -117,6 +123,76 @@ def test_a_body_whose_base_says_nothing_is_not_at_rest(bench):
     assert bench.state().rests
     bench.run(1.5)
     assert not bench.state().rests
+
+
+@pytest.fixture
+def legs(tmp_path):
+    """Return the attitude of a body without a base."""
+    return on_legs(tmp_path)
+
+
+def on_legs(tmp_path, pitch_deg=0.0):
+    context = AttitudeContext(tmp_path, LeaningImu(pitch_deg=pitch_deg), {"drive": (), "motion": ()})
+    context.run(1.5)
+    return context
+
+
+class LeaningImu(MadeUpImu):
+    """Leans ahead by `lean_dps`."""
+
+    lean_dps = 0.0
+
+    def sample(self, clockwise_dps=0.0, *, mag=True):
+        self.pitch_deg += self.lean_dps / self.rate_hz
+        sample = super().sample(clockwise_dps, mag=mag)
+        x, y, z = sample.gyro_rps
+        return replace(sample, gyro_rps=(x, y + radians(self.lean_dps), z))
+
+
+def falls_s(bench, lean_dps):
+    """Let the body fall to 80 degrees, and return after how long motions know of it by the reported states."""
+    fall, began_s, bench.imu.lean_dps = Fall(), bench.clock(), lean_dps
+    while not fall.lies and bench.clock() - began_s < 10.0:
+        bench.run(0.02)
+        fall = seen(fall, bench.state(), bench.clock())
+        bench.imu.lean_dps = lean_dps if bench.imu.pitch_deg < 80.0 else 0.0
+    return bench.clock() - began_s
+
+
+def test_a_body_without_a_base_that_stands_is_reported_twice_a_second(legs):
+    legs.run(2.0)
+    before = len(legs.said("state"))
+    legs.run(4.0)
+    states = legs.said("state")[before:]
+    assert 7 <= len(states) <= 9
+    assert all(state.rests and state.valid for state in states)
+
+
+@pytest.mark.parametrize("pitch_deg", [50.0, 89.0, -60.0])
+def test_a_body_that_lies_or_leans_far_is_reported_as_often_as_ever(tmp_path, pitch_deg):
+    legs = on_legs(tmp_path, pitch_deg)
+    legs.run(3.0)
+    before = len(legs.said("state"))
+    legs.run(2.0)
+    assert len(legs.said("state")) - before > 20
+    assert not legs.state().rests
+
+
+@pytest.mark.parametrize("lean_dps", [95.0, 40.0])
+def test_a_fall_is_known_as_soon_from_a_rest_as_without_one(legs, lean_dps):
+    legs.run(3.0)
+    assert legs.state().rests
+    assert 60.0 / lean_dps + 0.2 <= falls_s(legs, lean_dps) <= 60.0 / lean_dps + 0.2 + 0.08
+
+
+def test_a_body_that_leans_slower_than_a_turn_counts_is_watched_before_it_is_a_fall(tmp_path):
+    legs = on_legs(tmp_path, 40.0)
+    legs.run(3.0)
+    assert legs.state().rests
+    legs.imu.lean_dps = 1.0
+    legs.run(10.0)
+    assert not legs.state().rests
+    assert abs(degrees(legs.state().pitch_rad) - legs.imu.pitch_deg) < 3.0
 
 
 def test_silence_of_the_inertial_unit_is_reported_at_rest_as_soon_as_ever(bench):

@@ -41,6 +41,13 @@ def test_where_it_lies(how, lies):
     assert after(Fall(), 0.3, **how).lies == lies
 
 
+@pytest.mark.parametrize(("rests", "lies"), [(True, "face"), (False, "")])
+def test_a_body_at_rest_is_known_by_older_states(rests, lies):
+    at_rest = lean(pitch=1.5, rests=rests)
+    assert seen(seen(Fall(), at_rest, 0.0), at_rest, 0.4).lies == lies
+    assert seen(seen(Fall(), at_rest, 0.0), at_rest, 1.3).lies == ""
+
+
 def test_a_knock_is_no_fall_and_it_is_upright_again_after_a_while():
     assert after(after(Fall(), 0.1, pitch=1.5), 0.1, 0.12).lies == ""
     down = after(Fall(), 0.3, pitch=1.5)
