@@ -11,16 +11,16 @@ class Capability(Generic[S_co]):
     """A driver, operation or app, running in a process of its own with everything it needs in `self.ctx`.
 
     The runtime calls `open` once, then `step` at `rate_hz` and whenever something arrived; every call on one thread. It
-    may change its `rate_hz` at any time: an idle capability needs no fast one, as commands wake it. With
-    `woken_by_streams` false, inputs and setpoints wait for the next tick, which saves a reader of fast streams most of
-    its work. Commands, answers and the emergency stop still wake it. Inputs in `received_while_read` are received like
-    pictures: while they are read, and two seconds longer. A DeviceError out of `open` or `step` makes the capability
-    degraded: the runtime calls `close`, and opens again with a capped backoff. Any other exception ends the process,
-    and the executive decides whether to restart it.
+    may change its `rate_hz` at any time: an idle capability needs no fast one, as commands wake it. Without
+    `woken_by_streams`, inputs and setpoints wait for the next tick, which saves a reader of fast streams most of its
+    work. It may also name the ports that wake it. Commands, answers and the emergency stop always do. Inputs in
+    `received_while_read` are received like pictures: while they are read, and two seconds longer. A DeviceError out of
+    `open` or `step` makes it degraded: the runtime calls `close`, and opens again with a capped backoff. Any other
+    exception ends the process, and the executive decides whether to restart it.
     """
 
     rate_hz: float = 10.0
-    woken_by_streams: bool = True
+    woken_by_streams: bool | frozenset[str] = True
     received_while_read: frozenset[str] = frozenset()
 
     def __init__(self, ctx: Context[S_co]) -> None:

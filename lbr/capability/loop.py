@@ -16,7 +16,7 @@ from lbr.capability.base import Capability
 from lbr.capability.calls import BusCall
 from lbr.capability.config import ProcessConfig
 from lbr.capability.kind import Kind
-from lbr.capability.reporter import BEAT_S, Phase, Reporter
+from lbr.capability.reporter import BEAT_S, CALM_BEAT_S, Phase, Reporter
 from lbr.capability.runtime import Join, ProcessContext
 from lbr.capability.suspended import Suspended
 from lbr.errors import DeviceError
@@ -112,10 +112,9 @@ class Loop:
         self._capability: Capability[Struct] | None = None
         self._suspended = Suspended()
         self._report_at = 0.0
-        self._settled = False
         self._reported: Phase = ("", "", "")
         self._opened_s = self._due = self._retry_at = -inf
-        self._open = self._begins = False
+        self._settled = self._open = self._begins = False
         self._retry_s, self._lost = RETRY_FIRST_S, Reason("failed", "")
 
     def stop(self) -> None:
@@ -128,19 +127,20 @@ class Loop:
         ctx = self.begin()
         while not self._stopping:
             due = self.step()
-            self._wake.wait(min(due - ctx.clock(), BEAT_S))
+            self._wake.wait(min(due - ctx.clock(), self._reporter.beat_s))
         self.end()
 
     def begin(self) -> ProcessContext:
         """Connect the capability to its bus, without opening it."""
         kind, make = self._find()
-        streams = self._woken if getattr(make, "woken_by_streams", True) else None
+        streams = getattr(make, "woken_by_streams", True)
         seldom = getattr(make, "received_while_read", frozenset[str]())
         self._ctx = ctx = ProcessContext(self._config, kind, self._reporter, self._woken, streams, self._join, seldom)
         with ExitStack() as failed:
             failed.callback(ctx.close)
             self._capability = make(ctx)
             failed.pop_all()
+        self._reporter.beat_s = BEAT_S if kind.moves else CALM_BEAT_S
         if kind.moves:
             self._garbage.wait_for_us()
         self._opened_s = ctx.clock()

@@ -15,7 +15,8 @@ from lbr.messages.codes import Code, ReasonCode
 Phase = tuple[str, str, ReasonCode]
 """A phase, its reason and its code."""
 
-BEAT_S = 0.2
+BEAT_S, CALM_BEAT_S = 0.2, 0.5
+"""The period of heartbeats; the longer one if nothing moves by the capability, as its hang then matters less."""
 EARLY_S = 0.02
 """A loop that goes round every `BEAT_S` is sometimes a little early, and still beats."""
 COUNTS_S = 1.0
@@ -46,6 +47,7 @@ class Reporter:
         self._beat_at = 0.0
         self._counts_at = 0.0
         self.reported: Phase = ("", "", "")
+        self.beat_s = BEAT_S
         os.set_blocking(fd, False)
 
     def phase(self, phase: str, reason: str = "", code: ReasonCode = "") -> None:
@@ -71,7 +73,7 @@ class Reporter:
         now = time.monotonic()
         if now < self._beat_at:
             return
-        self._beat_at = now + BEAT_S - EARLY_S
+        self._beat_at = now + self.beat_s - EARLY_S
         if now >= self._counts_at:
             self._counts_at = now + COUNTS_S
         else:

@@ -158,8 +158,7 @@ class Port:
 class ProcessContext:
     """A capability's context, over a transport that `join` opens: by default Zenoh's.
 
-    Each arrival calls `wake`, in any thread. A stream's arrival calls `wake_for_streams` instead; nothing, if that is
-    None.
+    Each arrival calls `wake`, in any thread; that of a stream if `woken_by_streams` is true or names it.
     """
 
     def __init__(
@@ -168,7 +167,7 @@ class ProcessContext:
         kind: Kind,
         reporter: Reporter,
         wake: Callable[[], None],
-        wake_for_streams: Callable[[], None] | None,
+        woken_by_streams: bool | Collection[str],
         join: Join | None = None,
         received_while_read: Collection[str] = (),
     ) -> None:
@@ -225,7 +224,7 @@ class ProcessContext:
                 self._bus,
                 config.wiring.get(name, ()),
                 message,
-                wake_for_streams,
+                wake if woken_by_streams is True or name in (woken_by_streams or ()) else None,
                 self._refused,
                 config.name,
                 while_read=name in received_while_read,

@@ -151,7 +151,7 @@ class FakeContext(ProcessContext):
             kind,
             StageReporter(lambda _phase: None),
             wake=lambda: None,
-            wake_for_streams=None,
+            woken_by_streams=False,
             join=lambda _config, *, alone: MemoryTransport(memory),  # noqa: ARG005
         )
         memory.listen(keys.event(self.robot), Event, self._keep)

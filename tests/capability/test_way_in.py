@@ -37,7 +37,7 @@ def test_a_mover_that_is_not_let_in_leaves_no_session_of_its_emergency_stop_in_t
     router = session.open_router(session.Router(listen=(place,)))
     try:
         with pytest.raises(BusError, match="lets nobody in"):
-            ProcessContext(config, kind, Reporter(report), lambda: None, None)
+            ProcessContext(config, kind, Reporter(report), lambda: None, False)
         assert [one.is_closed() for one in opened] == [True]
     finally:
         router.close()

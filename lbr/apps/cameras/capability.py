@@ -13,7 +13,7 @@ from lbr.messages.leases import CommandReply
 PREFIX = "camera_"
 OFF_S, ON_S = 0.7, 1.2
 """The time for a camera's answer to a switch; a camera answers a little sooner."""
-STATE_PERIOD_S = 1.0
+STATE_PERIOD_S = 0.95
 MOST_WAITING = 8
 FIRST_S = 1.0
 """The wait of the first state for the states of all cameras."""
@@ -33,7 +33,7 @@ class _Selecting:
 class Cameras(Capability[CamerasSettings]):
     """Selects one of the cameras wired to its request `switch`, by their names without `camera_`."""
 
-    rate_hz = 5.0
+    rate_hz = 2.0
 
     def __init__(self, ctx: Context[CamerasSettings]) -> None:
         super().__init__(ctx)

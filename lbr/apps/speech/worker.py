@@ -18,7 +18,7 @@ RETRY_FIRST_S = 1.0
 RETRY_MOST_S = 30.0
 ANSWER_BYTES = 65536
 RESTS_AFTER_S = 60.0
-"""An engine without a text for so long is ended, and the next text starts another: it has twice the memory of speech."""
+"""An engine without a text for so long is ended, and the next text starts another: it has 14 MiB."""
 
 
 class Worker:
@@ -34,8 +34,7 @@ class Worker:
         self._popen: subprocess.Popen[bytes] | None = None
         self._received = self._text = b""
         self._greeted = self._starts = False
-        self._until = self._limit_s = 0.0
-        self._retry_at = 0.0
+        self._until = self._limit_s = self._retry_at = 0.0
         self._retry_s = RETRY_FIRST_S
 
     @property
@@ -59,8 +58,7 @@ class Worker:
         """Return the result of the text, once there is one; start the process again if need be."""
         if self._popen is None:
             return None if self.idle else self._start_when_due()
-        answer = self._read()
-        if answer is not None:
+        if (answer := self._read()) is not None:
             return self._take(answer)
         if (code := self._popen.poll()) is not None:
             how = f"signal {-code}" if code < 0 else f"exit code {code}"
@@ -107,10 +105,9 @@ class Worker:
             )
         except OSError as err:
             return self._lost(f"the speech engine cannot be started: {err.strerror}")
-        assert self._popen.stdin is not None
-        assert self._popen.stdout is not None
-        os.set_blocking(self._popen.stdin.fileno(), False)  # one text fits into the pipe
-        os.set_blocking(self._popen.stdout.fileno(), False)
+        for pipe in (self._popen.stdin, self._popen.stdout):
+            assert pipe is not None
+            os.set_blocking(pipe.fileno(), False)  # one text fits into it
         self._until = self._clock() + START_S
         return None
 

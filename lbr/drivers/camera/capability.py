@@ -17,13 +17,13 @@ from lbr.errors import InputError
 from lbr.messages.camera import CameraState, JpegFrame, SnapshotCommand, SnapshotReply, SwitchCommand
 from lbr.messages.leases import CommandReply
 
-STATE_PERIOD_S = 1.0
+STATE_PERIOD_S = 0.95
 OFF_S, ON_S = 0.6, 1.1
 """The time limits of the reply to `switch`, off and on, whatever the outcome; their sum is less than a caller's
 patience."""
 CLOSE_S = 0.3
 NEWEST_S = 1.0
-SWITCHING_HZ, RESTING_HZ = 10.0, 5.0
+SWITCHING_HZ, RESTING_HZ = 10.0, 2.0
 """Its rounds: pictures, commands and the first viewer wake it anyway."""
 REST_AFTER_S = 2.0
 OPENING_S = 1.5

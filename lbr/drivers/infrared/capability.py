@@ -11,14 +11,14 @@ from lbr.errors import DeviceError
 from lbr.messages.dock import DockSignal
 from lbr.messages.leases import CommandReply
 
-PUBLISH_S = 0.5
+PUBLISH_S = 0.75
 SOONEST_S = 0.1
 RETRY_S = 1.0
 OLDEST_S = 3600.0
 
 
 class Infrared(Capability[InfraredSettings]):
-    """Publishes every change at once, each new sight ten times a second at most, and twice a second in any case.
+    """Publishes every change at once, each new sight ten times a second at most, and once a second at least.
 
     Without its receiver it is degraded, but still accepts sights from other programs.
     """

@@ -58,7 +58,7 @@ class ProcessHost:
             poll.register(fd, select.POLLIN)
         ready = {fd for fd, _ in poll.poll(0)}
         for process in self._open:
-            process.quiet = ready.isdisjoint(process.fds)
+            process.quiet, process.runs = ready.isdisjoint(process.fds), process.fds[0] not in ready
 
     def start(self, spec: ProcessSpec, config: ProcessConfig, *, waits: bool = False) -> "Child":
         """Start a capability in its process.
@@ -92,8 +92,8 @@ class Process:
         self.name = name
         self.culprit: Child | None = None
         """The capability that has ended the process."""
-        self.quiet = self.closed = False
-        """`quiet`: at the last look it had neither ended nor reported anything."""
+        self.quiet = self.runs = self.closed = False
+        """At the last look it had not ended (`runs`), nor reported anything (`quiet`)."""
         self._children: dict[int, Child] = {}
         self._override = needs_override(config.places)
         self._running = running
@@ -129,7 +129,7 @@ class Process:
 
     def code(self) -> int | None:
         """Return its exit code, or None while it runs."""
-        return None if self.quiet else self._running.poll()
+        return None if self.runs else self._running.poll()
 
     def start(self, spec: ProcessSpec, config: ProcessConfig, number: int, order: bytes) -> "Child":
         """Order it to start a capability, and return that."""

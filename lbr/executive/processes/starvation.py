@@ -14,8 +14,9 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 Verdict = Literal["fine", "starved", "hung"]
-SUSPICIOUS_S = 0.3
-"""A heartbeat comes five times a second; after this silence, the threads are looked at."""
+SUSPICIOUS_S, CALM_SUSPICIOUS_S = 0.3, 0.7
+"""A heartbeat comes five times a second, or twice from what moves nothing; after this silence, the threads are looked
+at."""
 LOOKED_AT_S = 0.5
 """By then a look has happened, unless the looker is delayed as well; the silence before it counts up to here."""
 OTHERS_STRETCH = 2.0
@@ -64,17 +65,18 @@ def verdict(
     stretch: float = OTHERS_STRETCH,
     may_run_s: float = inf,
     work_s: float = 0.0,
+    looked_at_s: float = LOOKED_AT_S,
 ) -> Verdict:
     """Judge a silence that lasts `silent_s`, with its first look `first` and its latest look `now`.
 
-    The time before the first look has no excuse, but counts only up to LOOKED_AT_S. A main thread that ran for longer
+    The time before the first look has no excuse, but counts only up to `looked_at_s`. A main thread that ran for longer
     than `may_run_s` hangs. Waits of other threads excuse it up to `stretch` times the patience, and its own run time up
     to `work_s`. The verdict is `fine` while patience is left, even if that is only so because the first look came late.
     """
     if not silent_s > patience_s:
         return "fine"
     elapsed = max(0.0, now.at - first.at)
-    unseen = min(LOOKED_AT_S, max(0.0, silent_s - elapsed))
+    unseen = min(looked_at_s, max(0.0, silent_s - elapsed))
     main = _waited(first.main, now.main, first.at, now.at)
     both = first.others.keys() & now.others.keys()
     others = [_waited(first.others[one], now.others[one], first.at, now.at) for one in both]

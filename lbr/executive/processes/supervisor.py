@@ -31,8 +31,8 @@ HANG_DEGRADED_S = 4.0
 DEGRADED_PATIENCE_S = 1.5
 WAY_S = 0.02
 LOOK_AGAIN_S = 0.2
-HEARTBEATS_S = 0.1
-"""The interval at which the reports of ready processes are read. Each has its date; an end is noticed at once."""
+SUSPICIOUS = {True: SUSPICIOUS_S, False: starving.CALM_SUSPICIOUS_S}
+"""By whether it moves something."""
 LOAD_S, BUSY_SHARE = 3.0, 0.4
 """A process whose main thread waited for this share of the time is late with everything; a start delays others less."""
 SETTLING_S = 2.5
@@ -108,16 +108,12 @@ class Supervisor:
         return [(part, part.child) for part in parts.values() if part.child is not None]
 
     def awaited(self, timeout_s: float) -> tuple[float, set[int]]:
-        """Return how long to wait for news of processes, at most `timeout_s`, and on which descriptors."""
+        """Return how long to wait for news, at most `timeout_s`, and on which descriptors: a ready part may wait."""
         fds: set[int] = set()
         for part, child in self.children():
             if child.has_reports:
                 timeout_s = 0.0
-            if part.phase == "ready":
-                timeout_s = min(timeout_s, HEARTBEATS_S)
-                fds.add(child.fds[0])
-            else:
-                fds.update(child.fds)
+            fds.update(child.fds[:1] if part.phase == "ready" else child.fds)
         return timeout_s, fds
 
     def settled(self) -> bool:
@@ -290,7 +286,7 @@ class Supervisor:
     def _hangs(self, part: Part, child: Child, now: float) -> bool:
         """Return whether a silence is a hang; a process starved of the processor does not hang."""
         silent_s, patience_s = now - part.beat_at, _patience_s(part)
-        if not silent_s > SUSPICIOUS_S or now < part.look_at:
+        if not silent_s > SUSPICIOUS[part.spec.moves] or now < part.look_at:
             return False
         seen = self._look(child.pid, now, main=child.thread)
         if part.suspect is None or part.suspect.at < part.beat_at:
@@ -309,6 +305,7 @@ class Supervisor:
             stretch=inf if program else OTHERS_STRETCH,
             may_run_s=inf if program or part.phase not in RUNNING else RUNS_SHARE * patience_s,
             work_s=STARTING_WORK_S if part.phase == "starting" and not program else 0.0,
+            looked_at_s=starving.LOOKED_AT_S + SUSPICIOUS[part.spec.moves] - SUSPICIOUS_S,
         )
         if judgement == "starved":
             part.look_at = now + LOOK_AGAIN_S
@@ -402,7 +399,7 @@ class Supervisor:
 def _look_due(part: Part) -> float:
     """Return when to look at it next if its silence lasts."""
     if part.suspect is None or part.suspect.at < part.beat_at:
-        return part.beat_at + SUSPICIOUS_S + WAY_S
+        return part.beat_at + SUSPICIOUS[part.spec.moves] + WAY_S
     return part.look_at
 
 

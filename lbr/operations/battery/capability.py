@@ -1,4 +1,4 @@
-"""The battery as a capability: its state twice a second, and warnings in words."""
+"""The battery as a capability: its state, and warnings in words."""
 
 from math import inf
 
@@ -9,12 +9,12 @@ from lbr.messages.speech import SayCommand
 from lbr.operations.battery import BatterySettings
 from lbr.operations.battery.gauge import Gauge
 
-PUBLISH_S = 0.5
+PUBLISH_S = 0.75
 SAY_WITHIN_S = 2.0
 
 
 class Battery(Capability[BatterySettings]):
-    """Publishes on every change of level or charging, and twice a second; without a voltage the state is invalid."""
+    """Publishes changes of level and charging, and once a second at least; without a voltage the state is invalid."""
 
     rate_hz = 5.0
     woken_by_streams = False

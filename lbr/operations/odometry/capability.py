@@ -9,14 +9,13 @@ from lbr.messages.kinematics import Kinematics, Wheel, base_of
 from lbr.operations.odometry import OdometrySettings
 from lbr.operations.odometry.reckoning import Reckoning
 
-SILENT_PERIOD_S = 0.5
+SILENT_PERIOD_S, SOON_S = 0.5, 0.01
 
 
 class Odometry(Capability[OdometrySettings]):
     """Publishes odometry after each state of the motors."""
 
-    rate_hz = 25.0
-    woken_by_streams = False
+    woken_by_streams = frozenset({"motors"})
 
     def __init__(self, ctx: Context[OdometrySettings]) -> None:
         super().__init__(ctx)
@@ -36,9 +35,11 @@ class Odometry(Capability[OdometrySettings]):
         arrived = self.ctx.take("motors")
         for received in arrived:
             self._reckoning.count(received.message, received.arrived)
-        self._reckoning.silence(self.ctx.clock())
-        if arrived or self.ctx.clock() - self._published_s >= SILENT_PERIOD_S:
+        now = self.ctx.clock()
+        self._reckoning.silence(now)
+        if arrived or now - self._published_s >= SILENT_PERIOD_S:
             self._publish()
+        self.rate_hz = 1.0 / max(self._published_s + SILENT_PERIOD_S - now, SOON_S)
 
     def lacks(self) -> Reason | None:
         """Return that the motors have reported nothing yet, or None."""

@@ -19,6 +19,7 @@ SAY_WITHIN_S = 2.0
 ASK_AGAIN_S = 60.0
 REPLY_S = 0.7
 """The wait of an arming sender for logind's answer about powering off."""
+ACTING_HZ, WATCHING_HZ = 20.0, 5.0
 SPOKEN = frozenset({"supply_low", "shutdown_countdown", "shutdown_failed"})
 REPEATED = frozenset({"supply_low", "supply_good", "supply_unknown", "supply_known"})
 """News that a voltage between two thresholds, or a bad cable, repeats again and again."""
@@ -27,7 +28,7 @@ REPEATED = frozenset({"supply_low", "supply_good", "supply_unknown", "supply_kno
 class Power(Capability[PowerSettings]):
     """Watches the supply, warns people, and shuts the computer down in time once it is armed."""
 
-    rate_hz = 20.0
+    rate_hz = ACTING_HZ
 
     def __init__(self, ctx: Context[PowerSettings]) -> None:
         super().__init__(ctx)
@@ -67,6 +68,7 @@ class Power(Capability[PowerSettings]):
             self._ask_can()
         self._reply()
         self._publish()
+        self.rate_hz = WATCHING_HZ if self._watch.phase in {"watching", "disarmed"} else ACTING_HZ
 
     def command(self, call: Call) -> None:
         """Arm, disarm or cancel."""

@@ -234,6 +234,23 @@ def test_the_process_answers_each_state_of_the_motors_and_speaks_when_they_are_s
     assert len(context.said("state")) == 5
 
 
+def test_the_process_goes_round_only_for_the_motors_and_to_publish_their_silence():
+    context = FakeContext(KIND, OdometrySettings(), name="odometry")
+    odometry = Odometry(context)
+    odometry.open()
+    motors = MotorsState(left=0.0, right=0.0, armed=True, reason="", estop=False, counts_left=5, counts_right=7)
+    context.arrive("motors", motors)
+    odometry.step()
+    assert odometry.rate_hz == 2.0
+    context.now += 0.4
+    odometry.step()
+    assert (odometry.rate_hz, len(context.said("state"))) == (pytest.approx(10.0), 2)
+    context.now += 0.11
+    odometry.step()
+    assert [state.valid for state in context.said("state")] == [False, True, False]
+    assert odometry.rate_hz == 2.0
+
+
 def test_the_kind_names_the_class_that_runs_and_refuses_a_bad_row():
     assert KIND.load() is Odometry
     with pytest.raises(msgspec.ValidationError, match="wheel_diameter_m"):

@@ -119,6 +119,34 @@ def test_what_is_received_while_it_is_read_has_no_subscriber_before_and_begins_w
     assert len(odd.bus.feeds[key]) == feeds
 
 
+class Choosy(Capability[NoSettings]):
+    """Is woken by one of two streams."""
+
+    rate_hz, woken_by_streams = 1.0, frozenset({"this"})
+
+    def __init__(self, ctx):
+        super().__init__(ctx)
+        self.rounds = 0
+
+    def step(self):
+        self.rounds += 1
+
+
+@pytest.mark.parametrize(("stream", "rounds"), [("this", 3), ("that", 0)])
+def test_only_the_streams_that_it_names_wake_a_capability(stream, rounds):
+    stage = Stage("r")
+    keyed = {name: keys.port("r", "odd", name) for name in ("this", "that")}
+    kind = Kind(name="choosy", summary="", family="app", entry=Choosy, inputs={"this": Told, "that": Told})
+    wiring = {name: (InputWire(key=key, source="odd"),) for name, key in keyed.items()}
+    choosy = stage.add(config("choosy", wiring=wiring), kind)
+    stage.run(0.1)
+    before = choosy.rounds
+    for _ in range(3):
+        stage.put(keyed[stream], Told(number=1.0), "odd")
+        stage.run(0.1)
+    assert choosy.rounds - before == rounds
+
+
 def test_a_handler_that_raises_is_the_answer_before_its_process_ends(odd):
     asked = odd.command("odd", "do", Told(), "test")
     with pytest.raises(RuntimeError, match="a defect"):

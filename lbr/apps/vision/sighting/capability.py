@@ -33,7 +33,7 @@ class _Watch:
 class Sighting(Capability[SightingSettings]):
     """Searches for one target at a time; without a request it reads no picture, and the camera may rest."""
 
-    rate_hz = 5.0
+    rate_hz = 2.0
 
     def __init__(self, ctx: Context[SightingSettings]) -> None:
         super().__init__(ctx)

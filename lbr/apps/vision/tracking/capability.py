@@ -22,7 +22,7 @@ from lbr.messages.joints import Joint, JointsState
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.tracking import LookCommand, TrackCommand, TrackingState
 
-STATE_EVERY_S = 1.0
+STATE_EVERY_S, FOLLOWING_HZ, IDLE_HZ = 0.95, 30.0, 10.0
 JOINTS_CURRENT_S = 0.5
 ANSWER_S = 1.2
 """The longest wait for the eye before an answer. A sender waits 2 s, and the eye may take longer on a busy machine."""
@@ -46,7 +46,7 @@ class _Following:
 class Tracking(Capability[TrackingSettings]):
     """Turns the head to the target, until any stop, or until nothing was seen for long."""
 
-    rate_hz = 30.0
+    rate_hz = FOLLOWING_HZ
     woken_by_streams = False
 
     def __init__(self, ctx: Context[TrackingSettings]) -> None:
@@ -69,6 +69,7 @@ class Tracking(Capability[TrackingSettings]):
         self._glance.step()
         if self.ctx.clock() >= self._publish_at:
             self._publish_state()
+        self.rate_hz = FOLLOWING_HZ if self._following is not None else IDLE_HZ
 
     def command(self, call: Call) -> None:
         """Answer `track`, `look` and `stop`."""
