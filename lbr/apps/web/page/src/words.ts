@@ -35,6 +35,13 @@ export function t(key: WordKey, values: Record<string, string | number> = {}): s
 /** A row's name as people read it: a side in the page's language, other names as they are. */
 export const named = (name: string): string => maybe(`side.${name}`) || plain(name);
 
+/** A joint's name as people read it: in the page's language, its side last, where the page knows all its words. */
+export function jointName(name: string): string {
+  if (language.value === "en") return plain(name);
+  const words = name.replace(/^(left|right)_(.+)/, "$2_$1").split("_").map((one) => maybe(`limb.${one}`));
+  return words.every(Boolean) ? words.join(" ") : plain(name);
+}
+
 /** What a motion does, in the page's words where it has some: the names of rows are for tables and programs. */
 export const deedName = (motion: string): string => maybe(`motions.key.${motion}`) || plain(motion);
 

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { dirname, join, relative } from "node:path";
 import { test } from "node:test";
-import { language, learn, maybe, TABLE, t } from "../src/words";
+import { jointName, language, learn, maybe, TABLE, t } from "../src/words";
 import { behaviours } from "../src/words/behaviours";
 import { below } from "../src/words/below";
 import { call } from "../src/words/call";
@@ -73,4 +73,11 @@ test("a view brings the words that it says, and the first load none of the other
     assert.deepEqual(lacking, [], view);
   }
   assert.deepEqual([...main].filter((name) => Object.keys(OF_VIEWS).some((one) => name === `words/${one}.ts`)), []);
+});
+
+test("a joint is named in the page's language, and as its row where a word is unknown", () => {
+  language.value = "de";
+  assert.deepEqual(["left_shoulder_pitch", "head_pitch", "right_knee", "gripper"].map(jointName), ["Schulter vor und zurück links", "Kopf vor und zurück", "Knie rechts", "gripper"]);
+  language.value = "en";
+  assert.equal(jointName("left_shoulder_pitch"), "left shoulder pitch");
 });

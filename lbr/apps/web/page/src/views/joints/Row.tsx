@@ -1,8 +1,8 @@
 // One joint: how it is, a slider and a number, its torque; more of it when it is chosen.
 import { useRef, useState } from "preact/hooks";
-import { degrees, number, percent, plain } from "../../format";
+import { degrees, number, percent } from "../../format";
 import { Badge, Button, Icon, useOwnId, type IconName } from "../../parts";
-import { maybe, t } from "../../words";
+import { jointName, maybe, t } from "../../words";
 import type { JointRange, JointState } from "./model";
 import { BADGE, toneOf, type Tone } from "./tone";
 
@@ -39,13 +39,13 @@ export function Row({ name, range, state, aim, selected, may, onPick, onMove, on
       <div class="joints-row-head">
         <button type="button" class="joints-name" aria-expanded={selected} onClick={() => onPick(selected ? "" : name)}>
           <span class="joints-dot" title={word}><Icon name={ICON[tone]} /></span>
-          <span class="joints-name-text">{plain(within(name, range.side))}</span>
+          <span class="joints-name-text">{jointName(within(name, range.side))}</span>
           <span class="sr">{word}</span>
         </button>
         <Angle name={name} at={aim ?? at} lower={lower} upper={upper} disabled={!can} onMove={onMove} />
         <Button
           kind="quiet" class="joints-lock" icon={holds ? "bolt" : "power"} pressed={holds} disabled={!may || !state}
-          label={t(holds ? "joints.release.one" : "joints.lock.one", { joint: plain(name) })} onClick={() => onTorque(name, !holds)}
+          label={t(holds ? "joints.release.one" : "joints.lock.one", { joint: jointName(name) })} onClick={() => onTorque(name, !holds)}
         />
       </div>
       <Range name={name} at={at} aim={aim} lower={lower} upper={upper} disabled={!can} onMove={onMove} onFocus={() => { if (!selected) onPick(name); }} />
@@ -66,7 +66,7 @@ function Range({ name, at, aim, lower, upper, disabled, onMove, onFocus }: { nam
       <span class="joints-range-end">{degrees(lower)}</span>
       <span class="joints-track">
         <input
-          type="range" min={lower} max={upper} step={STEP_RAD} value={shown} disabled={disabled} aria-label={plain(name)} aria-valuetext={degrees(shown, 1)}
+          type="range" min={lower} max={upper} step={STEP_RAD} value={shown} disabled={disabled} aria-label={jointName(name)} aria-valuetext={degrees(shown, 1)}
           onFocus={onFocus}
           onInput={(event) => { hold(event.currentTarget.valueAsNumber); onMove(name, event.currentTarget.valueAsNumber, true); }}
           onChange={(event) => { onMove(name, event.currentTarget.valueAsNumber, false); hold(null); }}
@@ -95,7 +95,7 @@ function Angle({ name, at, lower, upper, disabled, onMove }: { name: string; at:
   return (
     <span class="joints-angle" data-wrong={wrong || undefined}>
       <input
-        id={id} class="joints-number" inputMode="decimal" autocomplete="off" disabled={disabled} aria-label={t("joints.angle", { joint: plain(name) })} aria-invalid={wrong}
+        id={id} class="joints-number" inputMode="decimal" autocomplete="off" disabled={disabled} aria-label={t("joints.angle", { joint: jointName(name) })} aria-invalid={wrong}
         title={t("joints.limits", { lower: degrees(lower), upper: degrees(upper) })}
         value={typed ?? (at === null ? "–" : number((at * 180) / Math.PI, 1, "en"))}
         onFocus={(event) => { type(event.currentTarget.value); event.currentTarget.select(); }}

@@ -1,13 +1,13 @@
 // The motion builder: key frames on a time line, posed by dragging a puppet, by sliders and numbers or as the robot stands;
 // checked for balance by the robot's machine, played on the puppet first, then on the robot.
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import { degrees, number, plain } from "../../format";
+import { degrees, number } from "../../format";
 import { holding } from "../../holding";
 import { notice } from "../../notices";
 import { Badge, Button, Card, Choice, Dialog, Field, Slider } from "../../parts";
 import { may } from "../../robot";
 import { estop } from "../../stopping";
-import { t } from "../../words";
+import { jointName, t } from "../../words";
 import { jointStreams, ownerOf, useJoints } from "../joints/hooks";
 import { jointNames, mirrored, type BodyModel } from "../joints/model";
 import { at as sampleAt, cancel, check, current, onSheet, type Report } from "./balance";
@@ -115,8 +115,8 @@ export function Builder({ model, motions, player }: { model: BodyModel; motions:
         <Card title={t("motions.motion")} icon="motions">
           <p class="motions-badges">
             <Badge>{now.frames.length === 1 ? t("motions.frames.one") : t("motions.frames", { count: now.frames.length })}</Badge><Badge>{number(lasts(now.frames), 1)} s</Badge>
-            {limits.length > 0 && <Badge tone="bad" icon="warn">{t("motions.wrong.limit", { joint: plain(limits[0]!.joint), value: degrees(limits[0]!.value), most: degrees(limits[0]!.most) })}</Badge>}
-            {limits.length === 0 && wrong.length > 0 && <Badge tone="warn" icon="speed">{t("motions.wrong.speed", { joint: plain(wrong[0]!.joint) })}</Badge>}
+            {limits.length > 0 && <Badge tone="bad" icon="warn">{t("motions.wrong.limit", { joint: jointName(limits[0]!.joint), value: degrees(limits[0]!.value), most: degrees(limits[0]!.most) })}</Badge>}
+            {limits.length === 0 && wrong.length > 0 && <Badge tone="warn" icon="speed">{t("motions.wrong.speed", { joint: jointName(wrong[0]!.joint) })}</Badge>}
           </p>
           <Button kind="primary" icon="play" class="motions-on-robot" disabled={!can || now.frames.length === 0 || limits.length > 0} onClick={() => void playChecked()}>{t("motions.on.robot")}</Button>
           <div class="joints-actions">
@@ -129,7 +129,7 @@ export function Builder({ model, motions, player }: { model: BodyModel; motions:
         {frame && (
           <Card title={t("motions.frame.at", { frame: at + 1, of: now.frames.length })} icon="joints">
             <Slider label={t("motions.keep.lasts")} min={SHORTEST_S} max={Math.max(5, Math.ceil(frame.duration_s))} step={0.05} value={frame.duration_s} show={(value) => `${number(value, 2)} s`} onInput={(value) => change(replaced(now, at, { duration_s: value }), `lasts-${at}`)} />
-            <Choice label={t("motions.joint")} value={joint} options={[{ value: "", text: t("motions.joint.none") }, ...names.map((name) => ({ value: name, text: plain(name) }))]} onChange={pick} />
+            <Choice label={t("motions.joint")} value={joint} options={[{ value: "", text: t("motions.joint.none") }, ...names.map((name) => ({ value: name, text: jointName(name) }))]} onChange={pick} />
             {!narrow && one}
           </Card>
         )}
@@ -248,7 +248,7 @@ function One({ joint, model, value, onPut, other }: { joint: string; model: Body
   const edge = Math.min(value - lower, upper - value) < Math.PI / 360;
   return (
     <>
-      <Slider label={plain(joint)} min={lower} max={upper} step={Math.PI / 360} value={value} show={(rad) => degrees(rad, 1)} onInput={(rad) => onPut({ [joint]: rad })} />
+      <Slider label={jointName(joint)} min={lower} max={upper} step={Math.PI / 360} value={value} show={(rad) => degrees(rad, 1)} onInput={(rad) => onPut({ [joint]: rad })} />
       <div class="motions-number">
         <Field label={t("motions.angle")} inputMode="decimal" value={typed ?? deg(value)} onInput={(event) => type(event.currentTarget.value)} onKeyDown={(event) => { if (event.key === "Enter") take(event.currentTarget.value); }} onBlur={(event) => { if (typed !== null) take(event.currentTarget.value); }} />
         <Badge tone={edge ? "warn" : "calm"} icon={edge ? "warn" : undefined}>{t("motions.range", { lower: degrees(lower), upper: degrees(upper) })}</Badge>
