@@ -1,1 +1,0 @@
-import{G as e,U as t,V as n}from"./access-CDdFy0RP.js";import{p as r}from"./index-BG0EO9dt.js";function i(i,a=r){let[o,s]=e(``),c=t(!1);return n(()=>{if(i===null)return;s(c.current?i:``),c.current=!0;let e=setTimeout(()=>s(``),a);return()=>clearTimeout(e)},[i]),!!i&&o===i}export{i as t};
