@@ -139,7 +139,7 @@ export const motions = {
   "motions.open.it": ["Open", "Öffnen"],
   "motions.taken": ["Motions in {file}", "Bewegungen in {file}"],
   "motions.cut": ["{count} angles were brought within the joints' limits", "{count} Winkel wurden in die Grenzen der Gelenke geholt"],
-  "motions.notes": ["{count} things that had no place or were changed", "{count} Dinge ohne Platz oder geändert"],
+  "motions.notes": ["Left out or changed: {count}", "Weggelassen oder geändert: {count}"],
   "motions.no.place": ["What that form cannot say", "Was diese Form nicht sagen kann"],
   "motions.versions": ["Versions", "Fassungen"],
   "motions.versions.of": ["Versions of {motion}", "Fassungen von {motion}"],
