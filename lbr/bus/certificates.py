@@ -2,7 +2,6 @@
 
 import datetime as dt
 import socket
-import ssl
 from pathlib import Path
 
 from lbr.errors import InputError
@@ -22,6 +21,8 @@ OWN_FILES = ("web.key", "web.crt")
 
 def first_der(path: Path) -> bytes:
     """Return the first certificate of a PEM file, which a server presents as its own; InputError if it has none."""
+    import ssl  # noqa: PLC0415 - of 1 MiB, and only doors to other machines need it
+
     text = path.read_text(encoding="ascii", errors="replace")
     begin = text.find(ssl.PEM_HEADER)
     end = text.find(ssl.PEM_FOOTER, max(begin, 0))

@@ -4,6 +4,7 @@ What moves is held as the robot's server holds it: 0.25 s without a word, a sock
 """
 
 import asyncio
+import gzip
 import io
 import math
 import socket
@@ -382,7 +383,7 @@ class PageRobot:
         found = page_files().get(request.path_params["path"] or INDEX)
         if found is None:
             return JSONResponse({"message": "there is no such file", "code": "unknown_name"}, 404)
-        content = found.content + b" " * (found.name in self.altered)
+        content = (found.plain or gzip.decompress(found.packed)) + b" " * (found.name in self.altered)
         return Response(content, media_type=found.media, headers={"Content-Security-Policy": POLICY})
 
     async def _live(self, socket: WebSocket) -> None:

@@ -21,7 +21,6 @@ FOREVER = "public, max-age=31536000, immutable"
 LOOK_AGAIN = "no-cache"
 ASSETS = "assets/"
 INDEX, MANIFEST = "index.html", "manifest.json"
-NOT_SERVED = frozenset({INDEX, MANIFEST})
 MEDIA = {
     ".css": "text/css; charset=utf-8",
     ".html": "text/html; charset=utf-8",
@@ -29,6 +28,7 @@ MEDIA = {
     ".js": "text/javascript; charset=utf-8",
     ".json": "application/json",
     ".md": "text/markdown; charset=utf-8",
+    ".png": "image/png",
     ".svg": "image/svg+xml",
     ".webmanifest": "application/manifest+json",
     ".woff2": "font/woff2",
@@ -45,11 +45,11 @@ class NotBuiltError(RuntimeError):
 
 @dataclass(frozen=True, slots=True)
 class File:
-    """A built file; `tag` is its ETag."""
+    """A built file: `packed` if compression makes it smaller, else `plain`; `tag` is its ETag."""
 
     name: str
     media: str
-    content: bytes
+    plain: bytes
     packed: bytes
     tag: str
 
@@ -96,7 +96,7 @@ def file(name: str, content: bytes) -> File:
     media = MEDIA.get(suffix) or mimetypes.guess_type(name)[0] or "application/octet-stream"
     packed = gzip.compress(content, 6, mtime=0) if len(content) >= TOO_SMALL else b""
     smaller = packed if len(packed) < 0.9 * len(content) else b""
-    return File(name, media, content, smaller, f'"{sha256(content).hexdigest()[:32]}"')
+    return File(name, media, b"" if smaller else content, smaller, f'"{sha256(content).hexdigest()[:32]}"')
 
 
 def _read(place: Traversable, under: str = "") -> Iterator[tuple[str, bytes]]:
@@ -117,7 +117,7 @@ class PageFace(Face):
 
     def routes(self) -> list[Route]:
         """Return the routes of the page at `/` for browsers, of the files beside it, and of the assets."""
-        beside = [one.name for one in self._files.values() if not one.lasts and one.name not in NOT_SERVED]
+        beside = [one.name for one in self._files.values() if not one.lasts and one.name not in {INDEX, MANIFEST}]
         parts = [Route(method="GET", path=f"/{name}", handle=self._of(name), role=None, page=True) for name in beside]
         return [*declared(self), *parts]
 
@@ -137,21 +137,21 @@ class PageFace(Face):
         return served(found, request)
 
 
-def served(built_file: File, request: Request) -> Response:
+def served(found: File, request: Request) -> Response:
     """Return a file, or 304 if the browser has it."""
     headers = {
-        "Cache-Control": FOREVER if built_file.lasts else LOOK_AGAIN,
-        "ETag": built_file.tag,
+        "Cache-Control": FOREVER if found.lasts else LOOK_AGAIN,
+        "ETag": found.tag,
         "Vary": "Origin, Accept, Accept-Encoding",
     }
-    if built_file.name == INDEX:
+    if found.name == INDEX:
         headers["Content-Security-Policy"] = POLICY
     known = [tag.strip().removeprefix("W/") for tag in request.headers.get("if-none-match", "").split(",")]
-    if built_file.tag in known:
+    if found.tag in known:
         return Response(status_code=304, headers=headers)
-    if built_file.packed and takes_gzip(request.headers.get("accept-encoding", "")):
-        return Response(built_file.packed, headers={**headers, "Content-Encoding": "gzip"}, media_type=built_file.media)
-    return Response(built_file.content, headers=headers, media_type=built_file.media)
+    if found.packed and takes_gzip(request.headers.get("accept-encoding", "")):
+        return Response(found.packed, headers={**headers, "Content-Encoding": "gzip"}, media_type=found.media)
+    return Response(found.plain or gzip.decompress(found.packed), headers=headers, media_type=found.media)
 
 
 def pack(answer: Response) -> None:
