@@ -39,8 +39,11 @@ function handOver({ by, capability }: Asker): void {
 
 const allow = (agent: string): void => able("allow").forEach((owner) => void command(owner, "allow", { agent }));
 
-/** Who that is, as people say it. */
-export const named = (source: string): string => source.replace(/^web:/, "");
+/** Who that is, as people say it: a page without a token is known by its address. */
+export function named(source: string): string {
+  const name = source.replace(/^web:/, "");
+  return /^(127\.\d|::1$)/.test(name) ? t("hand.here") : name;
+}
 
 onEvent.add(({ kind, code, data }) => {
   const { by, capability, agent } = (data ?? {}) as Partial<Asker> & { agent?: unknown };

@@ -24,6 +24,7 @@ export const shell = {
   "link.back": ["The link was bad for a moment. The robot stopped, and goes on.", "Die Verbindung war kurz schlecht. Der Roboter hielt an und fährt weiter."],
   "away.title": ["The robot does not answer", "Der Roboter antwortet nicht"],
   "away.text": ["Nothing answers at this address: the robot may be off, starting, or at another address, or this device is in another network. It asks again by itself.", "Unter dieser Adresse antwortet nichts: Der Roboter ist vielleicht aus, startet gerade oder hat eine andere Adresse, oder dieses Gerät ist in einem anderen Netz. Es fragt von selbst weiter."],
+  "hand.here": ["Another page on the robot’s machine", "Eine andere Seite auf dem Rechner des Roboters"],
   "hand.ask": ["Ask for it", "Darum bitten"],
   "hand.holds": ["{holder} moves it", "{holder} bewegt ihn"],
   "hand.asked": ["Asked. The one who drives sees it now.", "Gefragt. Wer fährt, sieht es jetzt."],

@@ -167,4 +167,4 @@ const justStopped = (): boolean => notices.value.some((one) => one.text === t("s
 const byHand = (drive: DriveState): boolean =>
   drive.code === "stopped" && (drive.stopped_s !== drive.halted_s || (drive.stopped_by ?? "").startsWith("web:"));
 
-const other = (drive: DriveState | null, fresh: boolean): string => (drive?.moving ? t("drive.holder", { holder: drive.holder ?? "?" }) : fresh ? inWords(drive ?? {}) : "");
+const other = (drive: DriveState | null, fresh: boolean): string => (drive?.moving ? t("drive.holder", { holder: whose(drive.holder ?? "?") }) : fresh ? inWords(drive ?? {}) : "");
