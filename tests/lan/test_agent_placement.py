@@ -85,7 +85,17 @@ def test_the_shipped_profiles_of_two_machines_place_attitude_and_motions(bioloid
 def test_nothing_of_a_process_that_stays_leaves_the_robot(rows):
     plan = planned(rows, "attitude", "dance")
     document = msgspec.json.encode([plan.units[name] for name in ("attitude", "dance")]).decode()
-    own = {"lbr/imu/sample", "lbr/attitude/state", "lbr/attitude/calibration", "lbr/dance/state", "lbr/speech/state"}
+    own = {
+        f"lbr/{one}"
+        for one in (
+            "imu/sample",
+            "drive/state",
+            "attitude/state",
+            "attitude/calibration",
+            "dance/state",
+            "speech/state",
+        )
+    }
     for unit in plan.local_units.values():
         assert unit.config.release_key not in document
         assert unit.config.credentials is not None
