@@ -122,7 +122,9 @@ class DriverBench:
             return any(state.armed for state in self.ctx.said("state")[-1:])
 
         def turning() -> bool:
-            self.drive(power)
+            holds = self.ctx.said("state")[-1].armed
+            self._leases += not holds  # a machine that was busy ended what moved
+            self.drive(power if holds else 0.0)
             return any(
                 any((state.left, state.right, *(motor.power for motor in state.motors.values())))
                 for state in self.ctx.said("state")[-1:]

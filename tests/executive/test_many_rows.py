@@ -50,7 +50,7 @@ def test_more_rows_than_there_is_room_for_start_nothing_and_cost_no_stop(robot: 
     until(lambda: [hears(robot), robot.status()["problems"]][1])
     assert "303 processes would run, but" in robot.status()["problems"][0]
     assert {unit["name"]: unit["pid"] for unit in robot.status()["capabilities"]} == before
-    assert robot.line("estop")["code"] == 0
+    robot.press()
     robot.edit("DELETE FROM capability WHERE kind = 'quiet'")
     until(lambda: not robot.status()["problems"])
 

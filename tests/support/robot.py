@@ -84,6 +84,11 @@ class Robot(robots.Robot):
         assert status is not None, "the executive does not answer"
         return dict(status)
 
+    def press(self, **how: Any) -> None:
+        """Press the emergency stop; on a busy machine its acknowledgement comes after the answer, which waits half a second."""
+        answer = self.line("estop", **how)
+        assert answer["code"] == 0 or self.status()["estop"]["engaged"], answer
+
     def capability(self, name: str) -> dict[str, Any]:
         absent = {"name": name, "phase": "absent", "pid": None, "reason": "", "restarts": 0}
         return next((unit for unit in self.status()["capabilities"] if unit["name"] == name), absent)

@@ -25,6 +25,8 @@ def test_rows_are_learnt_from_a_hand_and_are_in_force():
             robot.say(f"/hand/{joint}/{degrees}")
             world = lambda: robot.robot.ask("world/pose")["joints"][joint]  # noqa: E731
             until(lambda: abs(world() - degrees * 3.14159 / 180) < 0.04, f"{joint} at {degrees}")
+            seen = robot.state("leader_arm")["sweep"]
+            until(lambda: robot.state("leader_arm")["sweep"] > seen + 2, "its driver has looked there")
 
         for joint, degrees in ZERO.items():
             hand(joint, degrees)

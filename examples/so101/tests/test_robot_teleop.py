@@ -66,7 +66,8 @@ def test_the_follower_goes_with_the_leader_and_ends_with_it(robot, capsys):
 
     windows, gaps, end = {}, [], time.monotonic() + 4.0
     robot.say("/hand/leader_shoulder_pan/60")
-    while time.monotonic() < end:
+    while time.monotonic() < end or not gaps:
+        robot.follow(lambda: robot.phase() != "idle", "it goes on")
         state = robot.state("teleop")
         gaps += [state["gap_rad"]] if state.get("gap_rad") is not None else []
         if state.get("loop"):
