@@ -114,7 +114,7 @@ def test_what_holds_the_base_is_named_by_the_word_and_by_the_command_and_what_to
     said = json.loads(lbr(robot.home, "why", "drive", "--json").stdout)
     assert (said["code"], said["source"]) == ("estop", "bus")
     part = lbr(robot.home, "status", "drive").stdout
-    assert ("motors " in part, "drive " in part, told()[1] in part) == (False, True, True)
+    assert ("\nmotors " in part, "\ndrive " in part, told()[1] in part) == (False, True, True)
     (only,) = json.loads(lbr(robot.home, "status", "drive", "--json").stdout)["capabilities"]
     assert only["name"] == "drive"
     assert lbr(robot.home, "status", "driv").returncode == 2
