@@ -12,12 +12,12 @@ from lbr.commands.options import DEFAULT_PROFILE, FileName, Whom, json_option, p
 from lbr.commands.rows import opened, planned
 from lbr.commands.speaking import speaking
 from lbr.console import target
-from lbr.console.printable import short
 from lbr.console.target import Target
 from lbr.errors import BusError, InputError
 from lbr.executive.planning import facts, profile
 from lbr.executive.planning.watch import loaded
 from lbr.messages.plain import one_line
+from lbr.messages.rows import short
 from lbr.messages.system import Event
 from lbr.messages.why import Chain
 from lbr.why import chain, telling

@@ -8,9 +8,10 @@ from typing import Any
 import msgspec
 from msgspec import Struct
 
-from lbr.console.printable import listed, short
+from lbr.console.printable import listed
 from lbr.errors import InputError
 from lbr.messages.in_words import MEANT
+from lbr.messages.rows import short
 from lbr.messages.units import NAME_OR_NONE_PATTERN, NAME_PATTERN
 
 Schema = Mapping[str, Any]

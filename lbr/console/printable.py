@@ -8,7 +8,6 @@ from lbr.errors import InputError
 from lbr.messages.plain import one_line
 
 MAX_LINE = 4096
-SHOWN = 60
 BLANK = " \t\r\n\ufeff\u200b\u2060"
 """Invisible characters at a line's ends, from editors and web pages: the last three have no width."""
 _REFUSED = frozenset({"Cc", "Cs", "Cn", "Zl", "Zp"})
@@ -48,12 +47,6 @@ def bare(text: str, also: str = "") -> str:
 
 def _bare(char: str, also: str) -> bool:
     return char.isspace() or char in also or unicodedata.category(char) in {"Cc", "Cf"}
-
-
-def short(value: object) -> str:
-    """Return a value as one short printable piece of text."""
-    text = str(value)
-    return "".join(c if c.isprintable() else "?" for c in text[:SHOWN]) + ("…" if len(text) > SHOWN else "")
 
 
 def wrapped(text: str, width: int) -> str:

@@ -15,9 +15,9 @@ from lbr.bus.access import Credentials
 from lbr.bus.session import Session
 from lbr.bus.tokens import Token
 from lbr.console import token_store
-from lbr.console.printable import short
 from lbr.console.token_store import Offered
 from lbr.errors import BusError, InputError
+from lbr.messages.rows import short
 from lbr.messages.system import Role
 
 HANDSHAKE_S = 3.0

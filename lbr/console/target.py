@@ -14,8 +14,9 @@ from lbr.bus.access import TOOLS, Credentials
 from lbr.bus.codec import Decoder
 from lbr.bus.session import Session
 from lbr.console import remote
-from lbr.console.printable import listed, short
+from lbr.console.printable import listed
 from lbr.errors import BusError, InputError, MalformedError
+from lbr.messages.rows import short
 from lbr.messages.system import RANKS, Role, Status
 
 

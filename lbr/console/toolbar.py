@@ -4,10 +4,10 @@ from collections.abc import Mapping
 
 from lbr.console.lease_keeper import LeaseKeeper
 from lbr.console.operator import Telemetry
-from lbr.console.printable import short
 from lbr.messages.joints import JointsState, JointState
 from lbr.messages.plain import one_line
 from lbr.messages.power import PowerState
+from lbr.messages.rows import short
 from lbr.messages.sensing import Ranges
 from lbr.messages.system import Status
 

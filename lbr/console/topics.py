@@ -12,8 +12,9 @@ from lbr.bus import keys, probe, wire
 from lbr.bus.codec import Decoder, decode
 from lbr.bus.session import Session
 from lbr.console.fields import Field, properties
-from lbr.console.printable import listed, short
+from lbr.console.printable import listed
 from lbr.errors import BusError, InputError, MalformedError
+from lbr.messages.rows import short
 from lbr.messages.schema import JsonObject
 from lbr.messages.system import RANKS, EstopRequest, Event, Role, Status
 from lbr.names import near

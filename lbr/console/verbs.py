@@ -8,10 +8,11 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from lbr.console.fields import Field, Message, MessageType
-from lbr.console.printable import clean, listed, short
+from lbr.console.printable import clean, listed
 from lbr.database import arguments, builtin, patterns
 from lbr.database.rows import BUILT_IN_VERBS, ExternalCommandRow, VerbRow
 from lbr.errors import InputError
+from lbr.messages.rows import short
 from lbr.messages.schema import JsonObject
 from lbr.messages.system import Role, higher
 from lbr.names import near

@@ -2,8 +2,8 @@
 
 from math import degrees
 
-from lbr.console.printable import short
 from lbr.messages.joints import JointsState, JointState
+from lbr.messages.rows import short
 from lbr.simulation.messages import HumanoidPose
 
 WEAK = 0.95

@@ -75,7 +75,7 @@ class Calibration(Capability[CalibrationSettings]):
         """Return the position of every servo; raise InputError for one that is not measured, or has torque."""
         newest = self.ctx.latest("servos")
         if newest is None or not newest.age_s(self.ctx.clock()) <= FRESH_S:
-            raise InputError("the servo driver has not told for a while where the servos are", "stale_sensor")
+            raise InputError("the servos have not been reported for a while", "stale_sensor")
         state: ServosState = newest.message
         servos, places = {servo.id: servo for servo in state.servos}, _places(state)
         for joint in self.ctx.rows(Joint):
