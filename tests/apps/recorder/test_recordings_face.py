@@ -1,5 +1,6 @@
 """Recordings for a page: those that have ended, for known clients alone."""
 
+import http.client
 import os
 from types import SimpleNamespace
 
@@ -11,6 +12,7 @@ from lbr.apps.recorder.recording.shelf import Shelf
 from tests.apps.web.test_web_access import FINGERPRINT, SECRET, user
 from tests.apps.web.web_stage import serving
 from tests.support.segments import finished
+from tests.support.waiting import HANG_S, until
 
 EVE = {"Authorization": f"Bearer eve.{SECRET}.{FINGERPRINT}", "X-Forwarded-For": "8.8.8.8"}
 STRANGER = {"X-Forwarded-For": "8.8.8.8"}
@@ -59,3 +61,20 @@ def test_no_other_file_is_given_out(served, name):
 @pytest.mark.parametrize("path", ["/recordings", "/recordings/first.mcap"])
 def test_to_be_at_a_place_shows_nobody_a_recording(served, path):
     assert served.ask("GET", path, headers=STRANGER).status == 401
+
+
+def test_a_client_saves_two_at_once_and_others_go_on(served, folder):
+    with finished(Segment(folder / "long.mcap", "a test", {})) as segment:
+        segment.write(os.urandom(40_000_000))
+    slow = [http.client.HTTPConnection("127.0.0.1", served.port, timeout=HANG_S) for _ in range(2)]
+    try:
+        for connection in slow:
+            connection.request("GET", "/recordings/long.mcap", headers=EVE)
+            assert connection.getresponse().status == 200
+        refused = served.ask("GET", "/recordings/long.mcap", headers=EVE)
+        assert (refused.status, refused.json["code"]) == (503, "busy")
+        assert served.ask("GET", "/recordings", headers=EVE).status == 200
+    finally:
+        for connection in slow:
+            connection.close()
+    until(lambda: served.ask("GET", "/recordings/long.mcap", headers=EVE).status == 200)

@@ -184,11 +184,7 @@ def delete(names: tuple[str, ...], robot: str | None) -> int:
         undeleted = [path for path in own if not place.delete(path)]
         written = [path for path in undeleted if path.is_file() and in_use(path)]
         for path in undeleted:
-            why = (
-                "is being written, and stays"
-                if path in written
-                else "cannot be deleted: look at the disk and its rights"
-            )
+            why = "is being written, and stays" if path in written else "cannot be deleted: check disk and rights"
             click.echo(f"{path.name} {why}", err=True)
         code = code or (1 if undeleted and (recording.name != selection.BOX or undeleted != written) else 0)
         if len(undeleted) < len(own) or not own:

@@ -11,11 +11,11 @@ from lbr.apps.recorder.messages import BoxReply, EndRecording, RecordCommand
 from lbr.bus import keys, latest, wire
 from lbr.bus.session import Session
 from lbr.commands.options import Number, Whom, json_option, print_json, robot_options
+from lbr.commands.status import ask as status_of
 from lbr.console import target
 from lbr.console.interrupt import told_to_leave
 from lbr.console.target import Target
 from lbr.errors import BusError, InputError
-from lbr.messages.system import Status
 from lbr.messages.units import FILE_STEM
 
 ASK_S = 10.0
@@ -39,8 +39,8 @@ def command(*, whom: Whom, seconds: float | None, also: tuple[str, ...], lines: 
     """
     endpoint, interrupts = target.find(*whom), list[bool]()
     target.need(endpoint, "operate")
+    box = _box_of(endpoint)
     with target.connected(endpoint) as bus:
-        box = _box_of(bus, endpoint)
         try:
             asked = msgspec.convert(
                 {"seconds": seconds or 0.0, "cameras": "cameras" in also, "lines": lines, "name": name}, RecordCommand
@@ -73,20 +73,16 @@ def _wait(bus: Session, endpoint: Target, box: str, seconds: float | None, inter
         time.sleep(LOOK_S)
         states = latest.ask(bus, [keys.port(endpoint.robot, box, "state")], source="lbr record", timeout_s=2.0)
         state = states.get(f"{box}/state")
-        if state is None and time.monotonic() - answered_at > GONE_S:
+        if state is not None:
+            answered_at = time.monotonic()
+            if not state.message.get("recording"):
+                return
+        elif time.monotonic() - answered_at > GONE_S:
             raise BusError("the black box does not answer any more")
-        if state is None:
-            continue
-        answered_at = time.monotonic()
-        if not state.message.get("recording"):
-            return
 
 
-def _box_of(bus: Session, endpoint: Target) -> str:
-    answers = wire.ask(bus, keys.status(endpoint.robot), None, source="lbr record", timeout_s=ASK_S)
-    if not answers:
-        raise BusError(f"'{endpoint.robot}' does not answer")
-    status = msgspec.json.decode(answers[0].payload, type=Status)
+def _box_of(endpoint: Target) -> str:
+    status = status_of(endpoint, "lbr record")
     name = next((one.name for one in status.capabilities if one.kind == "box"), "")
     if not name:
         raise BusError(f"'{endpoint.robot}' has no black box that runs: switch on the row 'box'")

@@ -187,9 +187,7 @@ def _stat(path: Path) -> tuple[int, float]:
 
 def _removed(path: Path) -> bool:
     try:
-        path.unlink()
-    except FileNotFoundError:
-        return True
+        path.unlink(missing_ok=True)
     except OSError:
         return False
     return True
