@@ -13,6 +13,7 @@ import click
 import pytest
 
 from lbr import cli
+from lbr.executive.processes import scheduling
 from tests.support import databases, programs
 from tests.support.robot import LBR, environment
 from tests.support.waiting import HANG_S
@@ -65,6 +66,7 @@ def home(tmp_path, monkeypatch):
     place.mkdir(mode=0o700)
     (tmp_path / "here").mkdir()
     monkeypatch.setenv("LBR_HOME", str(place))
+    monkeypatch.setattr(scheduling, "rank", lambda *_values: None)  # of the process of the tests
     monkeypatch.chdir(tmp_path / "here")
     return place
 
