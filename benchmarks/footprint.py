@@ -124,7 +124,8 @@ def _names(robot: Robot) -> dict[int, str]:
     }
     names = {robot.popen.pid: "executive (with the router)"} | units
     for process in processes_of(robot.home):
-        names.setdefault(process.pid, f"child of {names.get(process.ppid(), process.ppid())}")
+        child = f"child of {names.get(process.ppid(), process.ppid())}"
+        names.setdefault(process.pid, f"another {child}" if child in names.values() else child)
     return names
 
 
