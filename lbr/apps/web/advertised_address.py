@@ -71,7 +71,7 @@ class AdvertisedAddress:
         """Return the URL with its QR code, for a terminal."""
         if not (self.open and self.urls):
             return self.words()
-        return f"{qr.characters(self.url)}\n{self.words()}\nOn a light terminal cameras may not read it; the same code is at {self.url}qr"
+        return f"{qr.characters(self.url)}\n{self.words()}\nIf a camera does not read it, open {self.url}qr"
 
     def _clients(self) -> str:
         networks = [one for one in self._settings.trusted if not names.is_local(one.partition("/")[0])]

@@ -97,7 +97,7 @@ class BuiltinRoutes:
         self._document = openapi.document(
             routes,
             title=f"The robot {self._robot.name}",
-            description='What this robot answers over HTTP. A refusal is {"message": "the reason", "code": "its_code"}.',
+            description='What this robot answers by HTTP. A refusal is {"message": "its reason", "code": "its_code"}.',
             version=version,
         )
 

@@ -146,7 +146,7 @@ class Request:
         if moves and not (self.proven or self.client.legacy):
             raise Refused(
                 403,
-                "a GET that moves must show that no web page sent it: use POST, show a token, say 'Sec-Fetch-Site: none',"
+                "a GET that moves must not come of a web page: use POST, show a token, send 'Sec-Fetch-Site: none',"
                 " or open the old API by the setting 'legacy' of the row",
                 code="denied",
             )
@@ -165,7 +165,7 @@ def refuse_without(client: Client, role: Role | None) -> None:
     )
     raise Refused(
         401,
-        f"{text}: show a token, 'Authorization: Bearer NAME.SECRET.FINGERPRINT'; 'lbr token add NAME --for web' makes one",
+        f"{text}: show a token, 'Authorization: Bearer NAME.SECRET.FINGERPRINT', of 'lbr token add NAME --for web'",
         {"WWW-Authenticate": 'Bearer realm="lbr"'},
     )
 

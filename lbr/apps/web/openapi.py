@@ -50,7 +50,7 @@ def document(routes: Iterable[Route], *, title: str, description: str, version: 
                 "token": {
                     "type": "http",
                     "scheme": "bearer",
-                    "description": "NAME.SECRET.FINGERPRINT, as 'lbr token add' prints it; not asked for of trusted networks",
+                    "description": "NAME.SECRET.FINGERPRINT, as 'lbr token add' prints it; trusted networks need none",
                 }
             },
         },

@@ -25,13 +25,13 @@ KIND = Kind(
         Word(
             "/a/{angle_deg}",
             "observe",
-            "Report when the robot has turned by an angle from now on, -360 to 360 degrees, clockwise positive; moves nothing",
+            "Report when the robot has turned by an angle, -360 to 360 degrees, clockwise positive; moves nothing",
         ),
         Word("/m/{samples}", "calibrate", "Calibrate the compass while turning on the spot, such as /m/300; s ends it"),
         Word(
             "/m/{samples}/{source}",
             "calibrate",
-            "The same: - turns, -c turns and only draws the compass, a name is a file of samples in $LBR_HOME/calibration",
+            "The same: - turns, -c turns and draws the compass, a name is a file of samples in $LBR_HOME/calibration",
         ),
     ),
 )

@@ -23,9 +23,8 @@ def check(chosen: Chosen, start_ns: int, end_ns: int, tries: int, *, as_json: bo
             f"{name} ({len(line.exchanges)})" for name, line in sorted(recorded.exchanged.lines.items())
         )
         seconds = (recorded.end_ns - recorded.start_ns) / 1e9
-        click.echo(
-            f"{chosen.name}: {seconds:.1f} s of '{recorded.robot}', exchanges of {devices}; {len(recorded.exchanged.commands)} commands"
-        )
+        commands = len(recorded.exchanged.commands)
+        click.echo(f"{chosen.name}: {seconds:.1f} s of '{recorded.robot}', exchanges of {devices}; {commands} commands")
     for number in range(1, tries + 1):
         outcome = checks.run(recorded, _progress if not as_json else lambda _text: None)
         _clear()
