@@ -91,6 +91,7 @@ def test_state_has_what_the_rows_wire_and_nothing_else(wheels):
     assert set(state) == set(described)
     builtin = {"/state", "/stop", "/estop", "/estop/reset", "/openapi.json", "/qr.svg", "/qr", "/session", "/sessions"}
     faces = {"/index.html", "/stream.mjpg", "/snapshot.jpg", "/cameras", "/call", "/call/{id}"}
+    faces |= {"/recordings", "/recordings/{name}"}
     assert {path for path in document["paths"] if not path.startswith("/api")} == builtin | faces
 
 
