@@ -180,14 +180,14 @@ class WithABall(Trial):
 def test_it_goes_up_to_a_ball_and_after_it_when_it_is_elsewhere(rows, home, start):
     trial = WithABall(setup(rows, home, "follow", max_s=70.0), 0, start)
     began = trial.board.now
-    trial.places = ((began, 2.2, 0.3), (began + 40.0, 0.6, -0.9))
+    trial.places = ((began, 2.2, 0.3), (began + 30.0, 0.6, -0.9))
     at_the_first = []
     trial.board.listen(
         "lbr/behaviour/state", BehaviourState, lambda state: at_the_first.append((trial.board.now, state.state))
     )
     outcome = trial.run()
     assert (outcome.code, outcome.state, outcome.unsafe) == ("time_over", "Near", ()), outcome
-    assert "Near" in {state for at, state in at_the_first if at < began + 40.0}
+    assert "Near" in {state for at, state in at_the_first if at < began + 30.0}
     distance_m, aside_deg = trial.away()
     assert 0.6 < distance_m < 1.1
     assert abs(aside_deg) < 13.0
