@@ -12,6 +12,7 @@ from subprocess import CompletedProcess
 import pytest
 
 from lbr import cli
+from lbr.executive.processes import scheduling
 from tests.support import programs
 from tests.support import robot as whole
 from tests.support.packages import CRAWLER, DECLARED, PROFILES, imported_from, on_path, package, robot_package
@@ -34,6 +35,7 @@ def site(tmp_path):
 def lbr(site, home, capfd, monkeypatch):
     """Run a command as one that starts after the package was installed."""
     monkeypatch.setenv("LBR_HOME", str(home))
+    monkeypatch.setattr(scheduling, "rank", lambda *_values: None)  # of the process of the tests
 
     def run(*arguments):
         with imported_from(site):

@@ -86,15 +86,15 @@ def test_of_a_log_without_a_line_it_is_said_that_it_is_empty(robot):
 
 
 def test_a_log_is_followed_also_after_it_was_cut(robot):
-    log = robot.home / "logs" / "lbr-ranges.log"
+    log = robot.home / "logs" / "lbr-gone.log"
     log.write_text("one\ntwo\nthree\n")
-    assert asked(robot, "logs", "ranges", "-n", "2").splitlines() == ["two", "three"]
-    assert "lbr/ranges" in asked(robot, "logs")
+    assert asked(robot, "logs", "gone", "-n", "2").splitlines() == ["two", "three"]
+    assert "lbr/gone" in asked(robot, "logs")
     os.mkfifo(robot.home / "logs" / "lbr-pipe.log")
     assert "there is no log 'pipe'" in asked(robot, "logs", "pipe", code=2)
     assert "there is no log 'nix'" in asked(robot, "logs", "nix", code=2)
     popen = programs.start(
-        [*LBR, "logs", "ranges", "-f", "-n", "1"], env=environment(robot.home), stdout=subprocess.PIPE, text=True
+        [*LBR, "logs", "gone", "-f", "-n", "1"], env=environment(robot.home), stdout=subprocess.PIPE, text=True
     )
     try:
         assert popen.stdout.readline() == "three\n"
