@@ -6,6 +6,7 @@ from random import Random
 import pytest
 from msgspec.structs import replace
 
+from lbr.drivers.wheels.capability import BEGINS_S
 from lbr.messages.motors import MotorsState
 from lbr.operations.drive.capability import Drive
 from tests.drivers.wheel_line import WheelBench
@@ -148,7 +149,7 @@ def test_a_drive_that_falls_silent_in_motion_is_zero_in_a_tenth_of_a_second_and_
 
 
 def test_motors_at_rest_tell_their_state_twice_a_second_and_a_motion_at_once() -> None:
-    pair = live(Pair(Drive), [("", 2.0)])
+    pair = live(Pair(Drive), [("", BEGINS_S + 1.0)])
     published = pair.bench.ctx.published
     published.clear()
     pair.pass_time(3.0)
@@ -166,7 +167,7 @@ def test_motors_at_rest_tell_their_state_twice_a_second_and_a_motion_at_once() -
 def test_wheels_that_are_pushed_end_the_rest_and_an_encoder_that_flickers_does_not(
     counts: int, band: int, ends: bool
 ) -> None:
-    pair = live(Pair(Drive, band=band), [("", 2.0)])
+    pair = live(Pair(Drive, band=band), [("", BEGINS_S + 1.0)])
     device = pair.bench.line.device
     device.measured = replace(device.measured, counts=(0, counts))
     told = len(pair.bench.ctx.published)

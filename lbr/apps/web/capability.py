@@ -185,7 +185,7 @@ class Web(Capability[WebSettings]):
         """Set the pace of the loop to the need of clients."""
         if self._front.connections or self._front.counts.requests != self._requests:
             self._requests, self._busy_until = self._front.counts.requests, now + IDLE_AFTER_S
-        self.rate_hz = BUSY_HZ if now < self._busy_until else IDLE_HZ
+        self.rate_hz = BUSY_HZ if now < self._busy_until or not self.answers() else IDLE_HZ
 
     def _look(self, now: float) -> None:
         """Store the newest states for requests on the other thread."""

@@ -23,8 +23,8 @@ RATE_HZ, STANDING_HZ = 50.0, 20.0
 RESTING_SHARE = 0.5
 """The period of rounds of armed motors at rest, as a share of the controller's watchdog, which each round feeds."""
 PUBLISH_PERIOD_S = 0.05
-RESTING_PERIOD_S, RESTS_AFTER_S = 0.45, 0.5
-"""The period of the state of armed motors that have stood for a while."""
+RESTING_PERIOD_S, RESTS_AFTER_S, BEGINS_S = 0.45, 0.5, 2.0
+"""The period of the state of armed motors that have stood for a while, once their readers have begun, too."""
 STANDING_PERIOD_S = 0.09
 """The period of the state while the wheels stand: a third of the age at which the drive calls it too old."""
 RESEND_S, IDLE_QUERY_S = 0.015, 0.05
@@ -96,6 +96,7 @@ class Wheels(Capability[S], ABC):
         self._faults = ()
         self._lacks = None
         self._unanswered = 0
+        self._moved_at = self.ctx.clock() + BEGINS_S
         self._publish()
         self._published_key = ()
 
@@ -357,7 +358,7 @@ class Wheels(Capability[S], ABC):
             return
         before, self._published_readings = self._published_readings, self._controller.measured()
         self._stands = not state.moving and self._near(self._published_readings, before)
-        self._moved_at = self._moved_at if self._stands and state.rests else self._published
+        self._moved_at = self._moved_at if self._stands and state.rests else max(self._moved_at, self._published)
         self._rests = self._published - self._moved_at >= RESTS_AFTER_S
         message = MotorsState(
             **self._each(self._controller.applied, self._published_readings),
