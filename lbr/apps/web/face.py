@@ -146,7 +146,7 @@ class Request:
         if moves and not (self.proven or self.client.legacy):
             raise Refused(
                 403,
-                "a GET that moves must not come of a web page: use POST, show a token, send 'Sec-Fetch-Site: none',"
+                "a GET that moves must not come from a web page: use POST, show a token, send 'Sec-Fetch-Site: none',"
                 " or open the old API by the setting 'legacy' of the row",
                 code="denied",
             )

@@ -189,7 +189,7 @@ def test_a_get_moves_only_what_no_web_page_can_have_sent(client, proven, moves, 
     if moves:
         ask.require("operate")
         return
-    with pytest.raises(Refused, match="no web page sent it") as refused:
+    with pytest.raises(Refused, match="Sec-Fetch-Site") as refused:
         ask.require("operate")
     assert refused.value.status == 403
     Request(method="POST", path="/move", client=client).require("operate")
