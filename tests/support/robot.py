@@ -19,6 +19,8 @@ LBR = [sys.executable, "-m", "lbr.start"]
 
 BASE = ("motors", "ranges", "drive", "world")
 """What most tests need of the robot; the rest would only make every start slower."""
+LONG_LEASE = "UPDATE capability SET settings = json_set(settings, '$.ttl_s', 1.0) WHERE name = 'drive'"
+"""For motions that end by a bound or a stop, not by a machine that holds up a script's renewals."""
 
 
 def prepare(home: Path, *also: str, edits: tuple[str, ...] = (), whole: bool = False) -> Path:
