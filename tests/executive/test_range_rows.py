@@ -136,7 +136,7 @@ def test_what_the_lidar_alone_sees_stops_the_robot_before_it(lidar):
 @pytest.mark.parametrize("fault", ["unplug", "dark", "stalled", "silent"])
 def test_a_lidar_that_fails_stops_the_robot_and_lets_it_go_on_afterwards(lidar, fault):
     hold = until(lambda: drives(lidar, "/r/0.1/180"))
-    until(lambda: (renew(lidar, hold), lidar.ask("motors/state")["left"] < 0.0)[1])
+    until(lambda: (renew(lidar, hold), (lidar.ask("motors/state") or {}).get("left", 0.0) < 0.0)[1])
     lidar.line(f"/fault/lidar_line/{fault}")
     until(lambda: (renew(lidar, hold), (lidar.ask("motors/state") or {}).get("left") == 0.0)[1])
     assert "lidar back" in until(lambda: refusal(lidar, "/r/0.1/180")), lidar.capability("drive")
@@ -153,7 +153,7 @@ def test_a_lidar_that_tells_the_same_for_ever_stops_the_robot(lidar):
 
 def test_a_lidar_driver_that_is_killed_and_does_not_come_back_stops_the_robot(lidar):
     hold = until(lambda: drives(lidar, "/r/0.1/0"))
-    until(lambda: (renew(lidar, hold), lidar.ask("motors/state")["left"] > 0.0)[1])
+    until(lambda: (renew(lidar, hold), (lidar.ask("motors/state") or {}).get("left", 0.0) > 0.0)[1])
     trace, began_ns, killed = Trace(lidar.trace), time.monotonic_ns(), set()
 
     def stopped() -> bool:

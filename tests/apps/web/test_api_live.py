@@ -18,7 +18,7 @@ from lbr.apps.web.api.link_age import FULL_S
 from lbr.apps.web.page import files
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import Event
-from tests.apps.web.api_stage import STANDS, described, status
+from tests.apps.web.api_stage import STANDS, status
 from tests.apps.web.test_api import USERS, api
 from tests.apps.web.test_web_access import FINGERPRINT, SECRET
 from tests.support import programs
@@ -157,7 +157,6 @@ def test_rows_that_change_under_an_open_page_are_heard_as_soon_as_they_are_there
         one.frame()
         drive = served.bus.robot.capabilities[0]
         new = type(drive)(name="new", kind="x", family="app", summary="", outputs={"state": {}}, commands={})
-        served.bus.robot = described(8)
         served.bus.robot = type(served.bus.robot)(
             robot=served.stage.robot, simulated=True, revision=8, capabilities=(new,)
         )
