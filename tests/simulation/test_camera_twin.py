@@ -273,9 +273,17 @@ def start(code):
     return lambda arguments, **options: real([sys.executable, "-I", "-S", "-c", code, arguments[-1]], **options)
 
 
-def watched(monkeypatch, code):
+def watched(monkeypatch, code, *, ended=False):
     """What a host says whose process does that, and whether it would try OpenGL again."""
-    monkeypatch.setattr(subprocess, "Popen", start(code))
+    begin = start(code)
+
+    def begun(*words, **options):
+        process = begin(*words, **options)
+        if ended:
+            process.wait()
+        return process
+
+    monkeypatch.setattr(subprocess, "Popen", begun)
     host, said = CameraHost(b"", 8, clock=lambda: 0.0), []
     ours, theirs = socket.socketpair()
     host.watch("camera", "front", theirs)
@@ -293,10 +301,11 @@ def test_graphics_that_take_the_process_down_are_not_asked_again(monkeypatch):
     assert watched(monkeypatch, "import os; os.kill(os.getpid(), 11)") == ([], False)
 
 
-def test_a_process_that_cannot_draw_says_why(monkeypatch):
+@pytest.mark.parametrize("ended", [False, True])
+def test_a_process_that_cannot_draw_says_why(monkeypatch, ended):
     code = """import socket, sys
 socket.socket(fileno=int(sys.argv[1])).send(b'{"renderer": "", "note": "no Pillow"}')"""
-    assert watched(monkeypatch, code) == ([Drawing("", "no Pillow")], True)
+    assert watched(monkeypatch, code, ended=ended) == ([Drawing("", "no Pillow")], True)
 
 
 def test_what_lies_in_the_current_directory_is_not_run(monkeypatch, tmp_path):

@@ -107,6 +107,8 @@ class CameraHost:
             return
         try:
             socket.send_fds(self._control, [msgspec.json.encode(order)], descriptors)
+        except ConnectionError:
+            pass  # its last report may still wait; reading it to the end ends the process
         except OSError:
             self._end()
 
