@@ -9,7 +9,7 @@ import pytest
 from lbr.database import store
 from lbr.database.store import Database
 from lbr.executive.service import journal
-from lbr.executive.service.journal import AGAIN_AFTER_S, NOT_WRITTEN, TOLD_AFTER_S, Journal
+from lbr.executive.service.journal import AGAIN_AFTER_S, NOT_WRITTEN, TROUBLE_AFTER_S, Journal
 from tests.support.robot import prepare
 
 
@@ -55,7 +55,7 @@ def test_a_writer_that_is_there_for_a_moment_is_no_trouble_and_no_event_is_lost(
 def test_a_writer_that_stays_is_a_trouble_until_it_goes(clock, database, kept, other):
     kept.happened("ready", "drive", "it is ready")
     kept.step(clock.now)
-    clock.now += max(AGAIN_AFTER_S, TOLD_AFTER_S)
+    clock.now += max(AGAIN_AFTER_S, TROUBLE_AFTER_S)
     kept.step(clock.now)
     assert list(kept.troubles) == [NOT_WRITTEN]
     other.execute("ROLLBACK")

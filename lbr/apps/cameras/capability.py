@@ -14,6 +14,7 @@ PREFIX = "camera_"
 OFF_S, ON_S = 0.7, 1.2
 """The time for a camera's answer to a switch; a camera answers a little sooner."""
 STATE_PERIOD_S = 0.95
+"""A little less than a second, so that the second round at 2 Hz publishes."""
 MOST_WAITING = 8
 FIRST_S = 1.0
 """The wait of the first state for the states of all cameras."""

@@ -18,6 +18,7 @@ from lbr.messages.camera import CameraState, JpegFrame, SnapshotCommand, Snapsho
 from lbr.messages.leases import CommandReply
 
 STATE_PERIOD_S = 0.95
+"""A little less than a second, so that the second round at 2 Hz publishes."""
 OFF_S, ON_S = 0.6, 1.1
 """The time limits of the reply to `switch`, off and on, whatever the outcome; their sum is less than a caller's
 patience."""

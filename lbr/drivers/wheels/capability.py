@@ -24,7 +24,7 @@ RESTING_SHARE = 0.5
 """The period of rounds of armed motors at rest, as a share of the controller's watchdog, which each round feeds."""
 PUBLISH_PERIOD_S = 0.05
 RESTING_PERIOD_S, RESTS_AFTER_S, BEGINS_S = 0.45, 0.5, 2.0
-"""The period of the state of armed motors that have stood for a while, once their readers have begun, too."""
+"""The period of the state of armed motors at rest. It begins late enough for readers that start beside them."""
 STANDING_PERIOD_S = 0.09
 """The period of the state while the wheels stand: a third of the age at which the drive calls it too old."""
 RESEND_S, IDLE_QUERY_S = 0.015, 0.05

@@ -24,8 +24,8 @@ from lbr.messages.system import Event, Stamp
 
 WRITE_EVERY_S = 0.25
 AGAIN_AFTER_S = 1.0
-TOLD_AFTER_S = 0.5
-"""Another writer that has the database for less is no trouble: what waits is written at the next step."""
+TROUBLE_AFTER_S = 0.5
+"""A shorter lock by another writer is not a trouble: the waiting events are written at the next step."""
 MOST_WAITING = 2000
 LARGEST_EVENT_BYTES = 16 * 1024
 OTHERS_PER_S = 20.0
@@ -189,7 +189,7 @@ class Journal(Service):
             self._database.append_events(events, trail)
         except LbrError as err:
             self._failing_since = min(self._failing_since, began)
-            if began - self._failing_since >= TOLD_AFTER_S:
+            if began - self._failing_since >= TROUBLE_AFTER_S:
                 self.trouble(NOT_WRITTEN, str(err))
             return False
         self._waiting.clear()

@@ -10,6 +10,7 @@ from lbr.operations.battery import BatterySettings
 from lbr.operations.battery.gauge import Gauge
 
 PUBLISH_S = 0.75
+"""The fourth round of 0.2 s comes after this: the sign of life, once a second at least."""
 SAY_WITHIN_S = 2.0
 
 

@@ -108,7 +108,7 @@ class CameraHost:
         try:
             socket.send_fds(self._control, [msgspec.json.encode(order)], descriptors)
         except ConnectionError:
-            pass  # its last report may still wait; reading it to the end ends the process
+            pass  # the last report may still wait: reading it comes first, and then the end
         except OSError:
             self._end()
 

@@ -131,27 +131,27 @@ class PageFace(Face):
 
     @get(f"/{ASSETS}{{name}}", role=None, page=True)
     def _asset(self, request: Request, name: str) -> Response:
-        found = self._files.get(ASSETS + name)
-        if found is None:
+        file = self._files.get(ASSETS + name)
+        if file is None:
             raise Refused(404, "this page is of another version: load it again")
-        return served(found, request)
+        return served(file, request)
 
 
-def served(found: File, request: Request) -> Response:
+def served(file: File, request: Request) -> Response:
     """Return a file, or 304 if the browser has it."""
     headers = {
-        "Cache-Control": FOREVER if found.lasts else LOOK_AGAIN,
-        "ETag": found.tag,
+        "Cache-Control": FOREVER if file.lasts else LOOK_AGAIN,
+        "ETag": file.tag,
         "Vary": "Origin, Accept, Accept-Encoding",
     }
-    if found.name == INDEX:
+    if file.name == INDEX:
         headers["Content-Security-Policy"] = POLICY
     known = [tag.strip().removeprefix("W/") for tag in request.headers.get("if-none-match", "").split(",")]
-    if found.tag in known:
+    if file.tag in known:
         return Response(status_code=304, headers=headers)
-    if found.packed and takes_gzip(request.headers.get("accept-encoding", "")):
-        return Response(found.packed, headers={**headers, "Content-Encoding": "gzip"}, media_type=found.media)
-    return Response(found.plain or gzip.decompress(found.packed), headers=headers, media_type=found.media)
+    if file.packed and takes_gzip(request.headers.get("accept-encoding", "")):
+        return Response(file.packed, headers={**headers, "Content-Encoding": "gzip"}, media_type=file.media)
+    return Response(file.plain or gzip.decompress(file.packed), headers=headers, media_type=file.media)
 
 
 def pack(answer: Response) -> None:
