@@ -9,14 +9,18 @@ from pathlib import Path
 import pytest
 
 from lbr.drivers.dynamixel import KIND
+from lbr.drivers.dynamixel.bus import STATE_ADDRESS, STATE_BYTES, Bus
 from lbr.drivers.dynamixel.capability import Dynamixel
+from lbr.drivers.dynamixel.model import Ax12
 from lbr.drivers.dynamixel.table import position_rad
+from lbr.drivers.servos.line import ServoLine
+from lbr.drivers.servos.register_release import RegisterRelease
 from lbr.errors import DeviceError
 from lbr.messages.joints import Joint
 from lbr.messages.servos import RecoverServos, ServoGoal, ServoSetpoint
 from lbr.testing import FakeCall
 from tests.drivers.peers import DriverContext
-from tests.drivers.servo_peers import Chain
+from tests.drivers.servo_peers import Chain, status
 from tests.support import programs
 from tests.support.waiting import HANG_S, until
 
@@ -469,6 +473,8 @@ def driving(chain):
         for servo in chain.servos.values():
             servo.stuck = 540
             servo.settle()
+        asked = len(chain.log)  # whoever is asked again has been read before
+        until(lambda: {request[2] for request in chain.log[asked:]} >= set(chain.servos))
         return process
 
     yield start
@@ -491,6 +497,16 @@ def test_when_the_driver_hangs_its_guard_holds_the_servos_then_lets_them_go(chai
     limits = [int.from_bytes(request[8:10], "little") for request in chain.writes(34)]
     assert limits == sorted(limits, reverse=True)
     assert len(limits) > 2
+
+
+def test_a_guard_takes_no_answer_for_its_own_that_the_dead_driver_had_asked_for(chain):
+    servo, fd = chain.servos[1], os.open(chain.path, os.O_RDWR | os.O_NOCTTY)
+    with Bus(ServoLine(fd, "of the servos", 1_000_000, margin_s=0.5)) as bus:
+        os.write(chain.master, status(1, bytes(servo.table[STATE_ADDRESS : STATE_ADDRESS + STATE_BYTES])))
+        servo.put(36, 600)
+        servo.table[24] = 1
+        assert RegisterRelease(bus, Ax12(), [1]).hold()
+        until(lambda: servo.goal == 600)
 
 
 def test_a_guard_lets_servos_go_that_were_silent_when_the_driver_died(chain, driving):

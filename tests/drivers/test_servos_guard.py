@@ -149,13 +149,13 @@ def test_a_guard_holds_each_servo_that_has_torque_where_it_is_and_those_that_ans
     bus = RegisterBus(1, 2, silent={2})
     servos = RegisterRelease(bus, MODEL, [1, 2, 3])
     assert servos.hold()
-    assert bus.wrote == [("positions", {1: 501})]
+    assert bus.wrote == [("drain",), ("positions", {1: 501})]
     bus.silent.clear()
     servos.keep()
-    assert bus.wrote[1:] == [("drain",), ("positions", {2: 502})]
+    assert bus.wrote[2:] == [("drain",), ("positions", {2: 502})]
     servos.fade(0.5)
     servos.fade(0.0001)
-    assert bus.wrote[3:] == [("limits", {1: 200, 2: 200}), ("limits", {1: 1, 2: 1})]
+    assert bus.wrote[4:] == [("limits", {1: 200, 2: 200}), ("limits", {1: 1, 2: 1})]
     servos.off()
     assert bus.wrote[-1] == ("off", [1, 2, 3])
 

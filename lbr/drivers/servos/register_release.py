@@ -27,7 +27,6 @@ class RegisterRelease:
 
     def keep(self) -> None:
         """Hold one more servo that had not answered; a lost line raises while reading."""
-        self._bus.drain()
         self._hold(1)
 
     def prepare(self) -> float:
@@ -43,6 +42,7 @@ class RegisterRelease:
         self._bus.torque_off(self._servos)
 
     def _hold(self, most: int) -> None:
+        self._bus.drain()  # what the dead driver asked for would be taken for the place where a servo is now
         goals = {}
         for servo in [self._unanswered.popleft() for _ in range(min(most, len(self._unanswered)))]:
             state = self._bus.read_state(servo, inf)
