@@ -9,7 +9,6 @@ from lbr.database.connection import Connection, pragma, transaction
 from lbr.database.constraints import statements
 from lbr.errors import RowError
 
-NEW = "NEW.db"
 MIGRATIONS = Path(__file__).with_name("migrations")
 HEAD = max(step.stem[1:5] for step in MIGRATIONS.glob("versions/v*.py"))
 """The schema of this version: the number of its newest step."""
@@ -62,7 +61,7 @@ def _refuse_unknown(stamp: str, path: Path) -> None:
         return
     text = f"database {path} has the schema '{stamp}', which this version of lbr (schema {HEAD}) does not know"
     if stamp.isdigit() and stamp < min(known):
-        take_in = f"`lbr db init --db {NEW}` and `lbr db import DIR --db {NEW}` of this one"
+        take_in = "`lbr db init --db NEW.db` and `lbr db import DIR --db NEW.db` of this one"
         do = f"it is older; `lbr db export DIR` of the lbr that made it, then {take_in}"
         raise RowError((f"{text}: {do}",))
     raise RowError((f"{text}: install a newer lbr, or put a backup in its place",))

@@ -75,18 +75,34 @@ def test_the_newest_revision_is_the_one_of_the_sql_file(path):
     assert f"VALUES ('{migrate.HEAD}')" in robot_db_sql().read_text()
 
 
-def test_a_token_of_before_names_for_people_goes_by_its_own_name(tmp_path):
+@pytest.fixture
+def before_names(tmp_path):
+    """A database from before tokens had names for people."""
     lines = robot_db_sql().read_text().replace(f"VALUES ('{NOW}')", "VALUES ('0015')").splitlines()
     (at,) = [number for number, line in enumerate(lines) if line.lstrip().startswith("called ")]
     lines[at - 1] = lines[at - 1].rstrip(",")
-    sql, path = tmp_path / "before.sql", tmp_path / "robot.db"
+    sql, path = tmp_path / "before.sql", tmp_path / "before.db"
     sql.write_text("\n".join(lines[:at] + lines[at + 2 :]))
     create(path, sql)
+    return path
+
+
+def test_a_token_of_before_names_for_people_goes_by_its_own_name(before_names):
+    path = before_names
     with closing(sqlite3.connect(path)) as connection, connection:
         connection.execute("INSERT INTO user_token (name, role, hash) VALUES ('phone', 'view', ?)", ("h" * 64,))
     with Database.open(path) as database:
         assert database.backup is not None
         assert [(one.name, one.role, one.called) for one in database.tokens()] == [("phone", "view", None)]
+
+
+def test_a_page_of_before_recordings_offers_them_after_an_upgrade_and_other_faces_stay(before_names):
+    chosen = "UPDATE capability SET settings = json_set(settings, '$.faces', json('[\"page\", \"call\"]'))"
+    with closing(sqlite3.connect(before_names)) as connection, connection:
+        connection.execute(f"{chosen} WHERE name = 'web'")
+    Database.open(before_names).close()
+    shown = look(before_names, "SELECT name, settings ->> '$.faces' FROM capability WHERE kind = 'web'")
+    assert sorted(shown) == [("web", '["page","call","recordings"]'), ("web_api", '["lbr_original"]')]
 
 
 def test_a_database_of_this_version_is_left_alone(path):

@@ -1,4 +1,4 @@
-"""The schema after: tokens with names for people."""
+"""The schema after: tokens with names for people. Where a row shows the page, it offers recordings, too."""
 
 from lbr.database.migrate import run
 
@@ -27,6 +27,8 @@ INSERT INTO user_token_new (name, role, hash, created_at, revoked_at, expires_at
 SELECT name, role, hash, created_at, revoked_at, expires_at, good_for, paired_from FROM user_token;
 DROP TABLE user_token;
 ALTER TABLE user_token_new RENAME TO user_token;
+UPDATE capability SET settings = json_insert(settings, '$.faces[#]', 'recordings') WHERE kind = 'web'
+AND json_extract(settings, '$.faces') GLOB '*"page"*' AND json_extract(settings, '$.faces') NOT GLOB '*"recordings"*';
 """
 
 
