@@ -12,10 +12,7 @@ COMPONENT = Component(
         "model": "lbr.apps.web.model.routes:ModelFace",
         "page": "lbr.apps.web.page.files:face",
     },
-    ports={
-        "cameras": "lbr.apps.web.cameras:PORTS",
-        "model": "lbr.apps.web.model:PORTS",
-    },
+    ports={"cameras": "lbr.apps.web.cameras:PORTS", "model": "lbr.apps.web.model:PORTS"},
     checks={"web": "lbr.apps.web.commands.checks:ports"},
     public=(
         "lbr.apps.web.access",

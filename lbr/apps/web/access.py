@@ -31,12 +31,7 @@ class Access:
     """
 
     def __init__(
-        self,
-        trusted: Iterable[str],
-        users: Iterable[LanUser],
-        *,
-        legacy: bool = False,
-        login: "Login | None" = None,
+        self, trusted: Iterable[str], users: Iterable[LanUser], *, legacy: bool = False, login: "Login | None" = None
     ) -> None:
         self._login = login
         self._networks = [ipaddress.ip_network(network, strict=False) for network in trusted]

@@ -18,10 +18,7 @@ class AdvertisedAddress:
     """
 
     def __init__(
-        self,
-        settings: ServerSettings,
-        port: int,
-        own_addresses: Callable[[], tuple[str, ...]] = addresses.of_machine,
+        self, settings: ServerSettings, port: int, own_addresses: Callable[[], tuple[str, ...]] = addresses.of_machine
     ) -> None:
         self.port = port
         self.open = not names.is_local(settings.host)

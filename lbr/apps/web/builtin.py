@@ -39,6 +39,7 @@ from lbr.bus.codec import Decoder
 from lbr.bus.wire import PendingQuery
 from lbr.capability.kind import STOP
 from lbr.errors import MalformedError
+from lbr.leases.client import PendingReply
 from lbr.messages.codes import heard
 from lbr.messages.description import Schema
 from lbr.messages.leases import CommandReply, StopCommand
@@ -48,6 +49,8 @@ STOPS = ("halt", "stop_motion")
 """The request ports for stops, first those of capabilities that move by themselves: once they stand, the robot does."""
 NOTICED_S = 0.5
 RESET_S, STOP_S = 3.0, 1.0
+AGAIN_S, RESTART_S = 0.1, 2.0
+"""The pauses between further stops of a capability that restarts, and their time in all."""
 HERE = "lbr.apps.web"
 _results = Decoder(ConsoleResult)
 
@@ -109,7 +112,7 @@ class BuiltinRoutes:
         """
         return encoded(self._states.encoded(self._robot.snapshot))
 
-    @post("/stop", stops=True, within_s=2 * STOP_S + 1.0)
+    @post("/stop", stops=True, within_s=2 * (RESTART_S + STOP_S))
     async def _stop(self, request: Request) -> Annotated[Message, Refuses({409: "The robot does not stop so."})]:
         """Stop: wheels stand, joints hold where they are."""
         # Requests during a round share the next one, so that each capability is asked at most once a round.
@@ -140,9 +143,10 @@ class BuiltinRoutes:
         line = self._say_stop(source) if not self._lenders() <= wired else None
         if not asked and line is None:
             return Refused(503, "nothing that could be stopped is wired to this server by channel rows", code="wiring")
+        end = self._robot.now() + RESTART_S
         for request, one in asked.items():
-            await until(lambda one=one: one.answers() is not None)  # type: ignore[misc]
-            refusals = [_refusal(name, answer) for name, answer in (one.answers() or {}).items()]
+            answers = await self._answers(request, stop, one, end)
+            refusals = [_refusal(name, answer) for name, answer in answers.items()]
             if any(refusals):
                 return next(filter(None, refusals))
             if request == STOPS[0]:
@@ -151,6 +155,20 @@ class BuiltinRoutes:
             return None
         await until(lambda: line.done or bool(line.replies))
         return _unless_done(line)
+
+    async def _answers(
+        self, request: str, stop: StopCommand, asked: PendingReply, end: float
+    ) -> dict[str, CommandReply | None]:
+        """Return the answers. A process that ends stops its motion; until that time, the next one is asked."""
+        await until(lambda: asked.answers() is not None)
+        answers: dict[str, CommandReply | None] = dict(asked.answers() or {})
+        away = [name for name, one in answers.items() if one is None or one.code == "shutting_down"]
+        again_s = self._robot.now() + AGAIN_S
+        if not away or again_s > end:
+            return answers
+        await until(lambda: self._robot.now() >= again_s)
+        more = self._robot.ctx.ask(request, stop, STOP_S, only=away)
+        return answers | await self._answers(request, stop, more, end)
 
     def _lenders(self) -> frozenset[str]:
         return self._api.known.lenders if self._api.known is not None else frozenset()

@@ -42,6 +42,7 @@ from lbr.messages.web import AddressReply, WebState
 SWITCH_S = 0.0005
 """The interpreter's switch interval. Two threads share the interpreter, and a client waits for both."""
 TELL_S = 0.95
+"""Less than two rounds of the idle loop, so that its state comes with each second one, and no round is just missed."""
 BUSY_HZ, IDLE_HZ, IDLE_AFTER_S = 50.0, 2.0, 2.0
 """The pace of the loop with a client, now or in the last `IDLE_AFTER_S`, and without one."""
 LOOK_S = 5.0

@@ -72,7 +72,7 @@ class Stage:
     def targets(self, request: str) -> tuple[str, ...]:
         return ("joints",) if request in self.wired else ()
 
-    def ask(self, request: str, message: Any, timeout_s: float) -> PendingReply:
+    def ask(self, request: str, message: Any, timeout_s: float, *, only: Any = None) -> PendingReply:
         self.asked.append((request, message))
         return PendingReply("joints", self.answer(request, message))
 

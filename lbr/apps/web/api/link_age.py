@@ -24,10 +24,7 @@ SMOOTH_S = 0.5
 """Ages are smoothed over this time, so that one lost packet (0.2 s) does not jerk the base."""
 STEP, PLAY = 0.1, 0.07
 """The share changes in steps, and only by more than the play."""
-_SPEEDS = {
-    DriveCommand.__name__: ("power",),
-    TwistCommand.__name__: ("vx_mps", "vy_mps", "wz_rps"),
-}
+_SPEEDS = {DriveCommand.__name__: ("power",), TwistCommand.__name__: ("vx_mps", "vy_mps", "wz_rps")}
 
 
 class LinkNews(Struct, frozen=True, kw_only=True):

@@ -36,14 +36,7 @@ class RobotBus:
         `waited_s` is the time that the request has waited here, `sent_s` its date if that is not now.
         """
         return PendingQuery(
-            self._session,
-            key,
-            payload,
-            timeout_s=timeout_s,
-            source=source,
-            waited_s=waited_s,
-            sent_s=sent_s,
-            wake=wake,
+            self._session, key, payload, timeout_s=timeout_s, source=source, waited_s=waited_s, sent_s=sent_s, wake=wake
         )
 
     def transport(
