@@ -1,4 +1,4 @@
-"""`lbr db`: init, add, check, table, diff, audit and restore, and the subcommands of other modules."""
+"""`lbr db`: init, add, remove, check, table, diff, audit and restore, and the subcommands of other modules."""
 
 import datetime as dt
 from pathlib import Path
@@ -8,10 +8,12 @@ import click
 from lbr import home
 from lbr.capability import registry
 from lbr.commands import row_apply, row_past
+from lbr.commands.completing import of_rows
 from lbr.commands.options import FileName, complete_robot, database_option, json_option, print_json
 from lbr.commands.row_past import local_time
+from lbr.commands.row_touched import Touching, change_rows
 from lbr.commands.rows import judged, opened
-from lbr.database import copies
+from lbr.database import changes, copies
 from lbr.database import restore as restoring
 from lbr.database.shipped import differences
 from lbr.errors import InputError
@@ -55,6 +57,23 @@ def add(robot: str, database: Path | None, as_json: bool) -> None:
         click.echo(f"added to {rows.path}: " + ", ".join(f"{count} of {table}" for table, count in added.items()))
     else:
         click.echo(f"all rows that {robot} brings are in {rows.path}")
+
+
+@command.command("remove")
+@click.argument("robot", shell_complete=of_rows("robot", "name", "description"))
+@click.option("--dry-run", is_flag=True, help="Show the effects, and write nothing.")
+@database_option
+@json_option
+def remove(robot: str, dry_run: bool, database: Path | None, as_json: bool) -> int:
+    """Remove all rows of ROBOT, which must not run; 'lbr db undo' brings them back, and 'lbr db add' those of its
+    package. Tokens, events and the audit trail stay."""
+    with opened(database) as rows:
+        rows.robots(robot)
+        touching, text = Touching(rows), f"removed robot '{robot}'"
+        removed = change_rows(
+            rows, lambda now, of: changes.between(now, {}, of, robot), text, touching, dry_run=dry_run
+        )
+    return row_past.tell(removed, f"'{robot}' is removed", dry_run=dry_run, as_json=as_json)
 
 
 @command.command("check")
@@ -136,9 +155,8 @@ def audit(database: Path | None, count: int, as_json: bool) -> int:
     if as_json:
         print_json(entries)
     for entry in () if as_json else entries:
-        click.echo(
-            one_line(f"{local_time(entry.wall_ns / 1e9)} {entry.source} {entry.kind} {entry.subject}: {entry.text}")
-        )
+        at = local_time(entry.wall_ns / 1e9)
+        click.echo(one_line(f"{at} {entry.source} {entry.kind} {entry.subject}: {entry.text}"))
     if fault:
         click.echo(f"the audit trail is not whole: {fault}", err=True)
     return 2 if fault else 0

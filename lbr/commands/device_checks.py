@@ -39,11 +39,7 @@ BY_NAME = {
 }
 """The places of permanent names for devices, by the text before the number."""
 SOUND_CARDS = Path("/proc/asound/cards")
-LOOKS = {
-    "camera": "v4l2-ctl --list-devices",
-    "infrared": "ir-keytable",
-    "gamepad": "lbr devices",
-}
+LOOKS = {"camera": "v4l2-ctl --list-devices", "infrared": "ir-keytable", "gamepad": "lbr devices"}
 """The command that finds a device, by its type; for most others it is `ls /dev/serial/by-id`."""
 
 

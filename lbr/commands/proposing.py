@@ -26,11 +26,7 @@ class Proposal(Struct, frozen=True, kw_only=True):
 
 
 def propose(
-    rows: RobotRows,
-    kinds: Mapping[str, Kind],
-    ends: Collection[Attached],
-    present: Collection[str],
-    called: str = "",
+    rows: RobotRows, kinds: Mapping[str, Kind], ends: Collection[Attached], present: Collection[str], called: str = ""
 ) -> tuple[list[Attached], list[Proposal]]:
     """Return the found devices with their existing rows, and a proposal for each device without one.
 

@@ -73,12 +73,9 @@ class Touching:
         whose = {change.robot for change in changes}
         affected = sorted(name for name in self._running if {name, None} & whose)
         if not affected or (len(affected) > 1 and None not in whose):
-            which = (
-                f"of several robots that run ({', '.join(affected)}): take one with --robot"
-                if affected
-                else "of none that runs"
-            )
-            raise InputError(f"these rows are {which}; or leave --within out", "not_possible")
+            several = f"several robots that run ({', '.join(affected)}): take one with --robot"
+            whose_rows = several if affected else "none that runs"
+            raise InputError(f"these rows are of {whose_rows}; or leave --within out", "not_possible")
         return affected[0]
 
     def effects(self) -> tuple[Touched, ...]:

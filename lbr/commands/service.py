@@ -64,13 +64,7 @@ def show(profile: str, user: str | None, power_off: bool, motor_relay: str | Non
 @dry_run_option
 @overwrite_option
 def install(
-    profile: str,
-    user: str | None,
-    power_off: bool,
-    motor_relay: str | None,
-    root: Path,
-    dry_run: bool,
-    overwrite: bool,
+    profile: str, user: str | None, power_off: bool, motor_relay: str | None, root: Path, dry_run: bool, overwrite: bool
 ) -> int:
     """Make the robot with launch profile PROFILE (default lbr) a service; starts nothing.
 

@@ -7,6 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from lbr import home
+from lbr.database.store import Database
+from lbr.home import Running
 from tests.support import databases
 from tests.support.commands import db
 from tests.support.databases import edit
@@ -43,6 +46,7 @@ def test_the_shipped_rows_have_no_hints(path):
         "UPDATE capability SET enabled = 0 WHERE robot = 'lbr' AND name = 'ranges'",
         "UPDATE capability SET settings = json_set(settings, '$.left.direction', 1) WHERE name = 'motors'",
         """UPDATE capability SET enabled = 1, settings = '{"faces": ["tail"]}' WHERE robot = 'lbr' AND name = 'web'""",
+        "UPDATE device SET address = '/dev/video0' WHERE robot = 'lbr' AND name = 'rear_camera'",
     ],
 )
 def test_what_is_odd_is_a_hint_and_no_fault(path, sql, wording):
@@ -101,3 +105,34 @@ def test_code_of_ones_own_is_a_hint(path, wording):
     edit(path, (SHIPPED / "wander.sql").read_text())
     (hint,) = hints(path)["lbr"]
     wording(hint)
+
+
+def test_a_robot_is_removed_with_all_of_its_rows_and_one_undo_brings_them_back(path):
+    with Database.open(path) as database:
+        before = database.tables()[0]
+    done = db("remove", "bioloid", "--dry-run")
+    assert (done.return_value, "robot 'bioloid' removed" in done.stdout) == (0, True)
+    assert db("remove", "bioloid").return_value == 0
+    with Database.open(path) as database:
+        after = database.tables()[0]
+        assert database.robots() == ("lbr", "uxa90")
+    assert {table for table, rows in after.items() for row in rows if row.get("robot") == "bioloid"} == set()
+    assert [row for row in after["capability"] if row["robot"] == "lbr"] == [
+        row for row in before["capability"] if row["robot"] == "lbr"
+    ]
+    assert db("undo").return_value == 0
+    with Database.open(path) as database:
+        assert database.tables()[0] == before
+
+
+def test_a_robot_that_runs_or_is_unknown_is_not_removed(path):
+    runs = Running(
+        robot="bioloid", pid=1, endpoints=(), profile="bioloid-sim", database=str(path), core="", password=""
+    )
+    lock = home.RunLock("bioloid")
+    lock.publish(runs)
+    assert db("remove", "bioloid").exception.code == "not_possible"
+    lock.release()
+    assert db("remove", "bioloit").exception.code == "unknown_name"
+    with Database.open(path) as database:
+        assert "bioloid" in database.robots()

@@ -17,7 +17,7 @@ FALLS = "humanoid_world"
 
 def hints(plan: Plan, home: Path) -> tuple[str, ...]:
     """Return one sentence for each oddity, with its cure; none of them keeps the robot from starting."""
-    return (*_lacking(plan, home), *_of_plan(plan, home), *_unstable(plan))
+    return (*_lacking(plan, home), *_of_plan(plan, home), *_at_one_address(plan), *_unstable(plan))
 
 
 def _of_plan(plan: Plan, home: Path) -> Iterator[str]:
@@ -60,6 +60,14 @@ def _lacking(plan: Plan, home: Path) -> Iterator[str]:
                 registry.find(row.kind, home)
             except LackingError as err:
                 yield f"capability '{row.name}' is left out: {err}"
+
+
+def _at_one_address(plan: Plan) -> Iterator[str]:
+    """Yield which devices have the address of another one."""
+    first: dict[str, str] = {}
+    for row in plan.rows.devices:
+        if (other := first.setdefault(row.address, row.name)) != row.name:
+            yield f"devices '{other}' and '{row.name}' are both at {row.address}: correct one, or remove its row"
 
 
 def _unstable(plan: Plan) -> Iterator[str]:

@@ -90,12 +90,7 @@ class Stops:
 class ConsoleService(Service):
     """Receives lines directly on the bus's thread, so that they never wait for the executive."""
 
-    def __init__(
-        self,
-        bus: Session,
-        robot: str,
-        dispatcher: Dispatcher,
-    ) -> None:
+    def __init__(self, bus: Session, robot: str, dispatcher: Dispatcher) -> None:
         self._dispatcher = dispatcher
         self._room = threading.Semaphore(MOST_UNDER_WAY)
         self._talk = ThreadPoolExecutor(max_workers=16, thread_name_prefix="line")

@@ -55,11 +55,7 @@ class Grants:
         names = [one.name for one in self._database.tokens()]
         address = one_line(asked.address)
         made = credentials.new_token(
-            self._database,
-            credentials.device_name(asked.name, names),
-            code.role,
-            good_for="web",
-            paired_from=address,
+            self._database, credentials.device_name(asked.name, names), code.role, good_for="web", paired_from=address
         )
         token = made.token
         if self._runs_since(name) < since_s:
