@@ -8,6 +8,8 @@ sender's will, the lease that it quoted is revoked for good, so a late sender ca
 from dataclasses import dataclass, replace
 from typing import Generic, Literal, Protocol, Self, TypeVar
 
+from lbr.messages.codes import ReasonCode
+
 REVOKED_KEPT = 256
 """More leases than can end in the time that a late setpoint takes to arrive."""
 Verdict = Literal["passes", "late", "not_finite", "revoked"]
@@ -38,10 +40,11 @@ S = TypeVar("S", bound=Setpoint)
 
 @dataclass(frozen=True, slots=True)
 class SetpointGate(Generic[S]):
-    """The state: `setpoint` is the one in force, or None; then `reason` explains why."""
+    """The state: `setpoint` is the one in force, or None; then `reason` explains why, with its `code` if it has one."""
 
     setpoint: S | None = None
     reason: str = ""
+    code: ReasonCode = ""
     dead: tuple[str, ...] = ()
 
     def judge(self, setpoint: S, now: float, valid_s: float) -> Verdict:
@@ -52,9 +55,9 @@ class SetpointGate(Generic[S]):
             return "late"
         return "revoked" if setpoint.lease in self.dead and not setpoint.neutral else "passes"
 
-    def closed(self, reason: str, lease: str = "") -> Self:
+    def closed(self, reason: str, lease: str = "", code: ReasonCode = "") -> Self:
         """Return the gate with no setpoint in force and the lease of the ended motion revoked."""
-        return replace(self.revoked(lease), setpoint=None, reason=reason)
+        return replace(self.revoked(lease), setpoint=None, reason=reason, code=code)
 
     def revoked(self, lease: str) -> Self:
         """Return the gate with a lease revoked for good."""

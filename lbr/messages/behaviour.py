@@ -58,12 +58,7 @@ class BehaviourRow(Row, frozen=True, kw_only=True):
     )
     next_state: Annotated[StateName, "the next state"] = ""
     deadline_s: (
-        Annotated[
-            float,
-            Meta(gt=0.0, le=86400.0),
-            "longest time in its state, then the behaviour fails",
-        ]
-        | None
+        Annotated[float, Meta(gt=0.0, le=86400.0), "longest time in its state, then the behaviour fails"] | None
     ) = None
 
 

@@ -105,9 +105,8 @@ class LoopStatistics(Struct, frozen=True, kw_only=True):
 class DriveState(Struct, frozen=True, kw_only=True):
     """The motion of the base, its holder, and why it is slower than asked or stands still.
 
-    `sees`: obstacles of
-    sensors that watch by themselves, in metres from the base's outline, by sensor and side; null: not known. `aside`:
-    the part of the motion to the left, a fraction of full speed.
+    `sees`: obstacles of sensors that watch by themselves, in metres from the base's outline, by sensor and side; null:
+    not known. `aside`: the part of the motion to the left, a fraction of full speed.
     """
 
     moving: bool

@@ -270,6 +270,7 @@ class JointState(ServoState, frozen=True, kw_only=True):
     """
 
     target_rad: float | None = None
+    code: ReasonCode = ""
 
 
 class JointsState(Struct, frozen=True, kw_only=True):

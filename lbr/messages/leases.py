@@ -65,10 +65,5 @@ class CommandReply(Struct, frozen=True, kw_only=True, omit_defaults=True):
 def refused(reason: Reason) -> CommandReply:
     """Return the reply that refuses a command."""
     return CommandReply(
-        accepted=False,
-        reason=reason.text,
-        code=reason.code,
-        cause=reason.cause,
-        note=reason.note,
-        holder=reason.holder,
+        accepted=False, reason=reason.text, code=reason.code, cause=reason.cause, note=reason.note, holder=reason.holder
     )

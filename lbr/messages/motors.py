@@ -4,6 +4,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
+from lbr.messages.codes import ReasonCode
 from lbr.messages.units import Name, SignedPower
 
 RESTS_S = 1.2
@@ -55,6 +56,7 @@ class MotorsState(Struct, frozen=True, kw_only=True):
     temperature_c: float | None = None
     faults: tuple[str, ...] = ()
     trips: int = 0
+    code: ReasonCode = ""
     motors: dict[Name, MotorState] = {}
     heard: bool | None = None
     rests: bool = False

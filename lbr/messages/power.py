@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 from msgspec.structs import force_setattr
 
+from lbr.messages.codes import ReasonCode
 from lbr.messages.plain import one_line
 from lbr.messages.units import Fraction
 
@@ -23,6 +24,7 @@ class UpsState(Struct, frozen=True, kw_only=True):
 
     valid: bool
     reason: str = ""
+    code: ReasonCode = ""
     source: Supply | None = None
     external_v: float | None = None
     battery_v: float | None = None
@@ -70,6 +72,7 @@ class PowerState(Struct, frozen=True, kw_only=True):
     warn_v: float
     shutdown_v: float
     reason: str = ""
+    code: ReasonCode = ""
     remaining_s: float | None = None
     can_power_off: str = ""
     ups: UpsState | None = None

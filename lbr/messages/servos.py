@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from lbr.messages.codes import ReasonCode
 from lbr.messages.units import Fraction
 
 ServoId = Annotated[int, Meta(ge=0, le=253, description="the servo's number on its bus")]
@@ -37,6 +38,7 @@ class StoredState(Struct, frozen=True, kw_only=True):
     count: int
     phase: Literal["waiting", "playing", "over", "failed"]
     reason: str = ""
+    code: ReasonCode = ""
 
 
 class ServoSetpoint(Struct, frozen=True, kw_only=True):
@@ -104,6 +106,7 @@ class ServosState(Struct, frozen=True, kw_only=True):
     phase: ServoPhase
     servos: tuple[ServoState, ...]
     reason: str = ""
+    code: ReasonCode = ""
     estop: bool = False
     halt: int = 0
     stores: bool = False

@@ -64,10 +64,7 @@ class Event(Struct, frozen=True, kw_only=True):
     about: str = ""
 
 
-AcknowledgeS = Annotated[
-    float,
-    Meta(ge=0.1, le=10.0, description="for the device to acknowledge an emergency stop"),
-]
+AcknowledgeS = Annotated[float, Meta(ge=0.1, le=10.0, description="for the device to acknowledge an emergency stop")]
 
 
 class EstopRequest(Struct, frozen=True, kw_only=True):

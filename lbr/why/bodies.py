@@ -120,7 +120,7 @@ def servos(report: Report[ServosState]) -> Iterator[Link]:
         yield report.link("arming", "held", text, "not_possible", do=do)
     elif not state.armed and state.phase not in LOST:
         text = f"the servos are not armed: {state.reason or 'no reason given'}"
-        code: ReasonCode = "estop" if state.estop else "not_armed"
+        code: ReasonCode = "estop" if state.estop else state.code or "not_armed"
         do, since = "move again; /torque/on keeps what holds", ("mover_lost", "degraded", "let_go")
         yield report.link("arming", "held", text, code, do=do, since=since)
     else:

@@ -63,7 +63,7 @@ def _motors(report: Report[MotorsState]) -> Iterator[Link]:
     elif not state.faults or state.estop:
         enable = report.now.facts.say(f"{part.name}.enable", "", enabled=True)
         text = f"the motors are not armed: {state.reason or 'no reason given'}"
-        code: ReasonCode = "estop" if state.estop else "not_armed"
+        code: ReasonCode = "estop" if state.estop else state.code or "not_armed"
         do = "stop, then move again" + (f"; if they were disabled: {enable}" if enable else "")
         yield report.link("arming", "held", text, code, do=do, since=("trip", "fault", "degraded"))
 

@@ -25,7 +25,7 @@ async def begun(robot, motion):
         try:
             return await motion().__aenter__()
         except client.RefusalError as error:
-            if error.code not in {"not_armed", "held", "stale_sensor"}:
+            if error.code not in {"not_armed", "no_setpoint", "held", "stale_sensor"}:
                 raise
             await asyncio.sleep(0.05)
     raise AssertionError("it never began")
@@ -108,7 +108,7 @@ async def _said(robot, line):
         try:
             return await robot.say(line, hold_s=30)
         except client.RefusalError as error:
-            if error.code not in {"not_armed", "held", "stale_sensor"}:
+            if error.code not in {"not_armed", "no_setpoint", "held", "stale_sensor"}:
                 raise
             await asyncio.sleep(0.05)
 
@@ -146,7 +146,7 @@ def test_a_motion_of_the_blocking_robot_is_kept_while_its_program_waits_and_no_l
         try:
             return robot.drive(0.1, 180, at_most_s=1.5).__enter__()
         except client.RefusalError as error:
-            if error.code not in {"not_armed", "held", "stale_sensor"}:
+            if error.code not in {"not_armed", "no_setpoint", "held", "stale_sensor"}:
                 raise
             return None
 

@@ -16,7 +16,7 @@ from tests.support.waiting import until
 
 PATIENT = {"ttl_s": 1.0}
 """The longest life of a lease: the machine may hold up a test."""
-HELD_UP = {"lapsed", "dead_lease", "not_armed", "holder_gone", "stale_sensor"}
+HELD_UP = {"lapsed", "dead_lease", "not_armed", "no_setpoint", "holder_gone", "stale_sensor"}
 """How a turn ends or is refused whose robot or client the machine holds up."""
 DRIVING = """
 import time
@@ -36,7 +36,7 @@ def borrowed(robot, key="drive/command", **message):
         try:
             return robot.borrow(key, **message, **PATIENT)
         except client.RefusalError as error:
-            if error.code not in {"not_armed", "held", "stale_sensor"}:
+            if error.code not in {"not_armed", "no_setpoint", "held", "stale_sensor"}:
                 raise
             return None
 

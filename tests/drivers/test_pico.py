@@ -190,6 +190,7 @@ def test_a_register_that_never_comes_is_no_number_and_named(make):
     assert (state.external_v, state.battery_v, state.source) == (None, None, None)
     assert "external_v (register 0x0c) cannot be read" in state.reason
     assert "no decimal number" in state.reason
+    assert state.code == "unreachable"
     assert running.ctx.health[-1] != "ready"
     running.faults(bad_bcd=False)
     assert running.sweep().valid
@@ -204,6 +205,7 @@ def test_a_temperature_that_is_no_number_leaves_the_voltages(make):
     assert state.external_v == 12.0
     assert state.temperature_c is None
     assert "temperature_c" in state.reason
+    assert state.code == "stale_sensor"
 
 
 def test_a_counter_that_stands_still_is_a_supply_that_hangs(make):
@@ -214,6 +216,7 @@ def test_a_counter_that_stands_still_is_a_supply_that_hangs(make):
     state = running.sweep()
     assert not state.valid
     assert "hangs" in state.reason
+    assert state.code == "stale_sensor"
     assert state.external_v is None
 
 

@@ -22,7 +22,7 @@ def following(lease="a", now=10.0):
 
 def test_a_fresh_setpoint_is_followed_and_a_late_one_is_not():
     assert following().goals[1].position_rad == 0.1
-    assert following().reason == ""
+    assert (following().reason, following().code) == ("", "")
     assert tick(following(), 10.09, VALID_S) == following()
     assert not receive(first(0.0), setpoint(), 9.8, 10.0, VALID_S).follows
     assert not receive(first(0.0), setpoint(), nan, 10.0, VALID_S).follows
@@ -31,9 +31,9 @@ def test_a_fresh_setpoint_is_followed_and_a_late_one_is_not():
 def test_silence_ends_the_motion_and_its_lease_is_dead_for_good():
     state = tick(following("a"), 10.15, VALID_S)
     assert not state.follows
-    assert state.reason == "no setpoint within 0.1 s"
+    assert (state.reason, state.code) == ("no setpoint within 0.1 s", "no_setpoint")
     state = receive(state, setpoint(lease="a"), 10.2, 10.2, VALID_S)
-    assert not state.follows
+    assert (state.follows, state.code) == (False, "")
     assert state.lost_since is None, "somebody cares for it, so it is not let go"
     assert receive(state, setpoint(lease="b"), 10.3, 10.3, VALID_S).follows
 

@@ -59,8 +59,9 @@ def test_a_late_setpoint_stops_and_kills_its_lease():
     assert not late.armed
     assert late.trips == 1
     assert late.reason.startswith("no setpoint within 0.1 s")
+    assert late.code == "no_setpoint"
     again = receive(late, at(10.12), 10.12, VALID_S)
-    assert again.armed
+    assert (again.armed, again.code) == (True, "")
     assert receive(again, at(10.13, 0.5, 0.5, "L1"), 10.13, VALID_S).applied == (0.0, 0.0)
     assert receive(again, at(10.13, 0.5, 0.5, "L2"), 10.13, VALID_S).applied == (0.5, 0.5)
 

@@ -275,6 +275,7 @@ def test_silence_of_the_source_is_a_mishap_that_is_told(bench):
     bench.drive()
     bench.steps(VALID_S + STEP_S)
     assert bench.ctx.told("trip") == ["motors stopped: no setpoint within 0.1 s; waiting for a zero setpoint"]
+    assert (bench.state.armed, bench.state.code) == (False, "no_setpoint")
     assert (bench.ctx.levels, bench.ctx.data) == (["warning"], [{"trips": 1}])
 
 

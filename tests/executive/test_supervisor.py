@@ -396,7 +396,7 @@ def test_a_degraded_capability_gets_a_moment_before_the_robot_counts_as_ready():
     assert stage.supervisor.settled()
 
 
-@pytest.mark.parametrize("code", ["not_ready", "not_armed"])
+@pytest.mark.parametrize("code", ["not_ready", "not_armed", "no_setpoint"])
 def test_who_says_that_it_has_just_begun_gets_as_long_as_its_first_troubles_are_not_told(code):
     stage = Stage(unit("attitude"))
     stage.says("attitude", "degraded", "its zero is not known", code)

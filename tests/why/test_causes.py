@@ -135,8 +135,13 @@ CAUSES: dict[str, tuple[str, str, Broken, tuple[str, str, str]]] = {
         "bioloid", "joints", lambda now: with_said(now, "servos/state", heard=False), ("line", "servo_bus", "unreachable"),
     ),
     "motors not armed": (
-        "lbr", "drive", lambda now: with_said(now, "motors/state", armed=False, reason="no setpoint within 0.1 s"),
+        "lbr", "drive", lambda now: with_said(now, "motors/state", armed=False, reason="waiting for a zero setpoint"),
         ("arming", "motors", "not_armed"),
+    ),
+    "setpoints that ceased": (
+        "lbr", "drive",
+        lambda now: with_said(now, "motors/state", armed=False, reason="no setpoint within 0.1 s", code="no_setpoint"),
+        ("arming", "motors", "no_setpoint"),
     ),
     "short circuit": (
         "lbr", "drive",

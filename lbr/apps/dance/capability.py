@@ -15,7 +15,7 @@ from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.leases.client import LeaseTarget
 from lbr.leases.holder import Holder
-from lbr.messages.codes import Reason
+from lbr.messages.codes import Reason, ReasonCode
 from lbr.messages.drive import DriveCommand
 from lbr.messages.leases import CommandReply, StopCommand
 
@@ -153,10 +153,10 @@ class Dance(Capability[DanceSettings]):
             ended = f"the dance to {dance.song.name} ended at beat {dance.beat}: {why}"
             level = "info" if why.code in ASKED_FOR else "warning"
             self.ctx.event("dance_ended", why.text if why.code == "done" else ended, level=level, code=why.code)
-        self._last = self._state(dance, "ended", why.text)
+        self._last = self._state(dance, "ended", why.text, why.code)
         self._publish_state()
 
-    def _state(self, dance: _Dance, phase: str, reason: str = "") -> DanceState:
+    def _state(self, dance: _Dance, phase: str, reason: str = "", code: ReasonCode = "") -> DanceState:
         return DanceState(
             phase="ended" if phase == "ended" else "dancing",
             song=dance.song.name,
@@ -165,6 +165,7 @@ class Dance(Capability[DanceSettings]):
             beats=len(dance.song.beats),
             moves=dance.moves,
             reason=reason,
+            code=code,
         )
 
     def _publish_state(self) -> None:

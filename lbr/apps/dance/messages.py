@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from lbr.messages.codes import ReasonCode
 from lbr.messages.rows import Row
 from lbr.messages.units import AngleDeg, Name, Power, StepNumber
 
@@ -38,3 +39,4 @@ class DanceState(Struct, frozen=True, kw_only=True):
     beats: int = 0
     moves: int = 0
     reason: str = ""
+    code: ReasonCode = ""

@@ -58,7 +58,7 @@ class Pico(Capability[PicoSettings]):
 
     def degraded(self, reason: str) -> None:
         """Publish that nothing is known."""
-        self._publish(UpsState(valid=False, reason=reason))
+        self._publish(UpsState(valid=False, reason=reason, code="unreachable"))
 
     def close(self) -> None:
         """Close the bus; the relay stays as it is."""

@@ -76,15 +76,16 @@ class Readout:
         """Return the state: invalid, with the reason, if anything essential is missing or the supply hangs."""
         unread = "; ".join(f"{name} cannot be read: {why}" for name, why in self.missing.items())
         if self.blind:
-            return UpsState(valid=False, reason=unread, firmware=firmware)
+            return UpsState(valid=False, reason=unread, code="unreachable", firmware=firmware)
         values = self.values
         if values["counter"] == values["counter again"]:
             reason = "the supply hangs: its running counter stands still, so its numbers may be old"
-            return UpsState(valid=False, reason=reason, firmware=firmware)
+            return UpsState(valid=False, reason=reason, code="stale_sensor", firmware=firmware)
         relay = values.get("relay")
         return UpsState(
             valid=True,
             reason=unread,
+            code="stale_sensor" if unread else "",
             source=values["source"],
             external_v=values["external_v"],
             battery_v=values["battery_v"],

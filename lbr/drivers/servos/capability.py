@@ -229,7 +229,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
             self._lost = True
             left = f"hold for {max(0.0, settings.hold_s + since - now):.0f} s and are then released"
             text = f"{self._gate.reason}: the servos {left}; a motion or /torque/on keeps them"
-            self.ctx.event("mover_lost", text, level="warning")
+            self.ctx.event("mover_lost", text, level="warning", code=self._gate.code)
         elif self._lost and not session.turning:
             self._lost = False
             self.ctx.event("let_go", "the servos had no sender for too long: they have no torque now", level="warning")
@@ -274,6 +274,7 @@ class Servos(Capability[S], ABC, Generic[S, T]):
                 phase=self.phase(session, now),
                 servos=measured.servos,
                 reason=inhibited or self._gate.reason,
+                code="" if inhibited else self._gate.code,
                 rests=session.rest.lasts,
                 bus=measured.bus,
                 **self.common_state(),

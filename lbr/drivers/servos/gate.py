@@ -10,6 +10,7 @@ from math import inf, isfinite
 from typing import Literal
 
 from lbr.drivers.setpoint_gate import SetpointGate, fresh
+from lbr.messages.codes import ReasonCode
 from lbr.messages.servos import ServoGoal, ServoSetpoint
 
 START = "no setpoint came yet"
@@ -95,7 +96,7 @@ def receive(state: ServoGate, setpoint: ServoSetpoint, born: float, now: float, 
     if verdict == "revoked":
         return state.closed("the lease of this motion has died; stop, then move again")
     goals = {goal.id: goal for goal in setpoint.goals}
-    return replace(state, goals=goals, setpoint=received, lease=setpoint.lease, reason="")
+    return replace(state, goals=goals, setpoint=received, lease=setpoint.lease, reason="", code="")
 
 
 def tick(state: ServoGate, now: float, valid_s: float, absence: str = "", estop: str | None = None) -> ServoGate:
@@ -107,7 +108,7 @@ def tick(state: ServoGate, now: float, valid_s: float, absence: str = "", estop:
     if absence:
         return _lose(state, absence, now)
     if state.seen and not fresh(state.born, now, valid_s):
-        return _lose(state, f"no setpoint within {valid_s:g} s", now)
+        return _lose(state, f"no setpoint within {valid_s:g} s", now, "no_setpoint")
     return state
 
 
@@ -119,15 +120,16 @@ def strength(state: ServoGate, now: float, hold_s: float, release_s: float) -> f
     return 1.0 if fading_s <= 0.0 else max(0.0, 1.0 - fading_s / release_s)
 
 
-def ended(state: ServoGate, reason: str) -> ServoGate:
+def ended(state: ServoGate, reason: str, code: ReasonCode = "") -> ServoGate:
     """End the current motion, and revoke its lease."""
-    return state.closed(reason, state.lease)
+    return state.closed(reason, state.lease, code)
 
 
-def _lose(state: ServoGate, reason: str, now: float) -> ServoGate:
+def _lose(state: ServoGate, reason: str, now: float, code: ReasonCode = "") -> ServoGate:
     if state.lost_since is not None:
         return state
-    return replace(ended(state, state.reason if state.estop else reason), lost_since=now)
+    why = (state.reason, state.code) if state.estop else (reason, code)
+    return replace(ended(state, *why), lost_since=now)
 
 
 def _halted(state: ServoGate, setpoint: ServoSetpoint) -> ServoGate:

@@ -138,11 +138,7 @@ class ServoSession(Session[S, B]):
     targets: ServoTargets[B]
 
     def __init__(
-        self,
-        ctx: Context[S],
-        servos: list[int],
-        connect: Callable[[Callable[[], bool]], ServoLink[B]],
-        tell: Tell,
+        self, ctx: Context[S], servos: list[int], connect: Callable[[Callable[[], bool]], ServoLink[B]], tell: Tell
     ) -> None:
         link = self.link = connect(self.urgent)
         super().__init__(ctx, link.bus, tell)

@@ -142,11 +142,8 @@ class ServoTargets(Torque[TargetState], Generic[B]):
         if slow.enabled and not target.on:
             self.off([target], "")
         elif target.on and not slow.enabled:
-            target.on, target.adrift, target.blocked = (
-                False,
-                False,
-                "lost its torque: was it without power? Switch it off, then on",
-            )
+            target.on = target.adrift = False
+            target.blocked = "lost its torque: was it without power? Switch it off, then on"
             self._tell("torque_lost", f"servo {target.id} {target.blocked}", "error")
         elif target.on and not gate.follows and slow.at > target.aimed and target.goal not in {None, slow.goal}:
             self._place({target.id: target.goal})

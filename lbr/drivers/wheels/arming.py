@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite, nan
 
 from lbr.drivers.setpoint_gate import SetpointGate, fresh
+from lbr.messages.codes import ReasonCode
 from lbr.messages.motors import RESTS_S
 
 START = "waiting for a zero setpoint"
@@ -93,7 +94,7 @@ def receive(state: Arming, setpoint: Setpoint, now: float, valid_s: float) -> Ar
     if verdict == "passes" and not setpoint.neutral and _begun_unseen(state, setpoint, now, valid_s):
         return _disarm(state.revoked(setpoint.lease), "the beginning of this motion was missed", now, fault=True)
     if verdict == "passes" and (state.armed or arms):
-        return replace(state, setpoint=setpoint, reason="")
+        return replace(state, setpoint=setpoint, reason="", code="")
     return state
 
 
@@ -104,7 +105,7 @@ def tick(state: Arming, inhibit: Inhibit | None, now: float, valid_s: float) -> 
         return replace(stopped, inhibited=True, reason=inhibit.reason)
     lives_s = RESTS_S if state.rests else valid_s
     if state.setpoint is not None and not fresh(state.setpoint.born, now, lives_s):
-        state = _disarm(state, f"no setpoint within {lives_s:g} s", now, fault=True)
+        state = _disarm(state, f"no setpoint within {lives_s:g} s", now, fault=True, code="no_setpoint")
     if state.inhibited:
         return replace(state, inhibited=False, reason=START)
     return state
@@ -117,7 +118,7 @@ def _begun_unseen(state: Arming, setpoint: Setpoint, now: float, valid_s: float)
     return long_ago and not fresh(setpoint.begun, now, valid_s)
 
 
-def _disarm(state: Arming, reason: str, now: float, *, fault: bool) -> Arming:
+def _disarm(state: Arming, reason: str, now: float, *, fault: bool, code: ReasonCode = "") -> Arming:
     moved = state.setpoint.lease if state.setpoint is not None and state.moving else ""
     trips = state.trips + (fault and state.moving)
-    return replace(state.closed(f"{reason}; {START}", moved), since=now, trips=trips)
+    return replace(state.closed(f"{reason}; {START}", moved, code), since=now, trips=trips)

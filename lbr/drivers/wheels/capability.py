@@ -315,8 +315,8 @@ class Wheels(Capability[S], ABC):
 
     def _tell_trip(self, before: Arming) -> None:
         if self._arming.trips > before.trips:
-            data = {"trips": self._arming.trips}
-            self.ctx.event("trip", f"motors stopped: {self._arming.reason}", level="warning", data=data)
+            gate, data = self._arming, {"trips": self._arming.trips}
+            self.ctx.event("trip", f"motors stopped: {gate.reason}", level="warning", data=data, code=gate.code)
 
     def _disarm(self, reason: str) -> None:
         before = self._arming
@@ -364,6 +364,7 @@ class Wheels(Capability[S], ABC):
             **self._each(self._controller.applied, self._published_readings),
             armed=state.armed,
             reason=state.reason,
+            code=state.code,
             estop=self.ctx.estop.engaged,
             trips=state.trips,
             heard=self.device_row.tap.heard,

@@ -39,7 +39,7 @@ SETTLING_S = 2.5
 """A capability that is degraded at its start is reported after this time: the reason may go away by itself."""
 RUNNING = frozenset({"ready", "degraded"})
 HELD = frozenset({"stopped", "failed"})
-BEGINS = frozenset({"not_ready", "not_armed"})
+BEGINS = frozenset({"not_ready", "not_armed", "no_setpoint"})
 """The codes of a capability that has just begun, gone in a moment."""
 MACHINE = "machine"
 

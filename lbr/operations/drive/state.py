@@ -7,7 +7,7 @@ from msgspec import Struct
 
 from lbr.leases.lease import EstopChanged, Happened, Lease, LeaseTable, Origin, Reply, Result, Setpoint, Stop
 from lbr.messages.attitude import AttitudeState
-from lbr.messages.codes import Reason
+from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import CheckVerdict
 from lbr.messages.kinematics import Base
 from lbr.messages.motors import RESTS_S, MotorsState
@@ -195,5 +195,6 @@ def motors_trouble(state: State, now: float) -> Reason | None:
     if not now - at <= longest_s:
         return Reason("unreachable", f"the motor driver has been silent for more than {longest_s:g} s")
     if not state.motors.armed:
-        return Reason("not_armed", f"the motors are not armed: {state.motors.reason or 'no reason given'}")
+        why = f"the motors are not armed: {state.motors.reason or 'no reason given'}"
+        return heard(state.motors.code or "not_armed", why)
     return None

@@ -5,7 +5,7 @@ from math import inf, isnan
 from msgspec.structs import replace
 
 from lbr.leases.lease import Ending, Setpoint
-from lbr.messages.codes import Reason
+from lbr.messages.codes import Reason, heard
 from lbr.messages.servos import ServoGoal, ServoSetpoint
 from lbr.operations.joints import stored
 from lbr.operations.joints.move import Move
@@ -124,7 +124,7 @@ def _not_followed(state: State, move: Move, now: float) -> Reason | None:
     if not (move.followed or now - max(move.ordered_at, state.waited) > FOLLOWING_S):
         return None
     why = servos.reason or f"their driver reports {servos.phase}"
-    return Reason("not_followed", f"the servos do not follow: {why}")
+    return heard(servos.code or "not_followed", f"the servos do not follow: {why}")
 
 
 def _further(move: Move, elapsed_s: float, now: float) -> Move:

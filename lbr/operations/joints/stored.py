@@ -6,7 +6,7 @@ from msgspec.structs import replace
 
 from lbr.leases.decide import with_motion
 from lbr.leases.lease import Ending
-from lbr.messages.codes import Reason
+from lbr.messages.codes import Reason, heard
 from lbr.messages.joints import StoredMotion
 from lbr.messages.servos import StoredPlay, StoredState
 from lbr.operations.joints.move import Move, Stored
@@ -60,7 +60,7 @@ def ending(state: State, order: Stored, now: float) -> tuple[Ending, Reason] | N
         why = Reason("not_followed", f"the controller does not play slot {slot}: {reason}")
         return ("fault", why) if now - order.ordered_at > TAKEN_S else None
     if report.phase == "failed":
-        return "fault", Reason("failed", report.reason or f"the controller did not play slot {slot}")
+        return "fault", heard(report.code, report.reason or f"the controller did not play slot {slot}")
     if report.phase == "over":
         return "reached", Reason("done", f"slot {slot} was played in {now - _since(order):.2f} s")
     if now - _since(order) < order.motion.duration_s + GRACE_S:

@@ -4,7 +4,7 @@ from math import isfinite
 
 from msgspec.structs import asdict
 
-from lbr.messages.codes import Reason
+from lbr.messages.codes import Reason, ReasonCode
 from lbr.messages.drive import LoopStatistics
 from lbr.messages.joints import Joint, JointsState, JointState
 from lbr.messages.servos import ServoState
@@ -54,7 +54,8 @@ def _passed(move: Move | None) -> int:
 def _joint(state: State, joint: Joint, target_rad: float | None, now: float) -> JointState:
     servo = state.seen.get(joint.name)
     if servo is None:
-        return JointState(id=joint.device_id, target_rad=target_rad, reason=_absence(state))
+        absence = _absence(state)
+        return JointState(id=joint.device_id, target_rad=target_rad, reason=absence.text, code=absence.code)
     as_joint = {
         "position_rad": _angle(joint, servo.position_rad),
         "speed_rps": _signed(joint, servo.speed_rps),
@@ -62,14 +63,24 @@ def _joint(state: State, joint: Joint, target_rad: float | None, now: float) -> 
         "goal_rad": _angle(joint, servo.goal_rad),
         "age_s": _age_s(state, servo, now),
         "target_rad": target_rad,
+        "code": _code(servo),
     }
     return JointState(**{**asdict(servo), **as_joint})
 
 
-def _absence(state: State) -> str:
+def _absence(state: State) -> Reason:
     if state.servos is None:
-        return state.servos_gone
-    return "the servo driver does not know it" if state.servos.armed else "the servos are not armed"
+        return Reason("unreachable", state.servos_gone)
+    if state.servos.armed:
+        return Reason("wiring", "the servo driver does not know it")
+    return Reason("not_armed", "the servos are not armed")
+
+
+def _code(servo: ServoState) -> ReasonCode:
+    if not servo.reason:
+        return ""
+    silent = servo.position_rad is None and servo.raw is None
+    return "latched" if servo.latched else "unreachable" if silent else "no_torque"
 
 
 def _angle(joint: Joint, servo_rad: float | None) -> float | None:

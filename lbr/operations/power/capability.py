@@ -12,7 +12,7 @@ from lbr.operations.power import PowerSettings
 from lbr.operations.power.logind import Answer, Logind, Question
 from lbr.operations.power.parking import Parking
 from lbr.operations.power.state import Answered, Arm, Cancel, Event, News, Parked, Reading, Task, Tick
-from lbr.operations.power.watch import begin, decide, refusal
+from lbr.operations.power.watch import begin, code, decide, refusal
 
 PUBLISH_S = 1.0
 SAY_WITHIN_S = 2.0
@@ -209,6 +209,7 @@ class Power(Capability[PowerSettings]):
             warn_v=watch.warn_v,
             shutdown_v=watch.shutdown_v,
             reason=watch.reason,
+            code=code(watch),
             remaining_s=float(ceil(max(0.0, watch.until_s - now))) if counts else None,
             can_power_off=f"{self._can}: {self._can_trouble}" if self._can_trouble else self._can,
             ups=self._ups,

@@ -7,6 +7,7 @@ ends. After that, until logind is asked, only `disarm` and `cancel` prevent the 
 from dataclasses import replace
 from math import inf
 
+from lbr.messages.codes import ReasonCode
 from lbr.messages.power import PowerPhase, UpsState
 from lbr.operations.power import PowerSettings
 from lbr.operations.power.state import (
@@ -66,6 +67,16 @@ def refusal(watch: Watch, event: Arm | Cancel) -> str:
     if shutdown_v > warn_v:
         return f"shutdown_v ({shutdown_v:g} V) must not be above warn_v ({warn_v:g} V)"
     return ""
+
+
+def code(watch: Watch) -> ReasonCode:
+    """Return the code of the state's sentence, or an empty one for a voltage that is good."""
+    if watch.phase in {"disarmed", "watching", "warning"}:
+        well = "limit" if watch.phase == "warning" else ""
+        return "stale_sensor" if watch.view.trouble else "cancelled" if watch.cancelled else well
+    if watch.phase == "failed":
+        return "failed"
+    return "not_possible" if _pretends(watch) else "shutting_down"
 
 
 def _read(watch: Watch, ups: UpsState, now: float, settings: PowerSettings) -> Outcome:

@@ -52,7 +52,7 @@ class World(FakeContext):
         if message.lease and message.lease != self.lease:
             return dead(self.dead, "stopped")
         if self.refusal:
-            return CommandReply(accepted=False, reason=self.refusal)
+            return CommandReply(accepted=False, reason=self.refusal, code="obstacle")
         self.lease = self.lease or "lease-1"
         self.driven.append((round(self.now - 100.0, 2), message.power, message.angle_deg))
         return CommandReply(accepted=True, lease=self.lease, ttl_s=0.3)
@@ -158,7 +158,7 @@ def test_a_refused_move_ends_the_dance_and_stops_what_went_before(dance, world):
     run(dance, world, 0.7)
     world.refusal = "back is 20 cm"
     run(dance, world, 0.5)
-    assert world.said("state")[-1].reason == "back is 20 cm"
+    assert (world.said("state")[-1].reason, world.said("state")[-1].code) == ("back is 20 cm", "obstacle")
     assert world.requests[-2:] == ["halt", "hush"]
 
 

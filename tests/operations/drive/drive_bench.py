@@ -19,8 +19,8 @@ from lbr.operations.drive.state import AttitudeSeen, Command, MotorsLost, Motors
 SENSORS = ("forward", "back", "left", "right", "bottom")
 
 
-def motors(*, armed=True, reason=""):
-    return MotorsState(left=0.0, right=0.0, armed=armed, reason=reason, estop=False)
+def motors(*, armed=True, reason="", code=""):
+    return MotorsState(left=0.0, right=0.0, armed=armed, reason=reason, code=code, estop=False)
 
 
 def ranges(**metres):

@@ -101,6 +101,13 @@ def test_motors_that_are_not_armed_are_named_with_their_reason(bench, wording):
     wording(bench.drive(0.5))
 
 
+def test_a_motion_that_ends_for_want_of_setpoints_has_their_code(bench):
+    moving(bench)
+    bench.motors = motors(armed=False, reason="no setpoint within 0.1 s", code="no_setpoint")
+    bench.sense()
+    assert (bench.state.lease, bench.state.leases.reason.code) == (None, "no_setpoint")
+
+
 def test_silent_motors_refuse_motion(bench):
     bench.now += 0.31
     assert "silent for more than 0.3 s" in bench.drive(0.5).reason

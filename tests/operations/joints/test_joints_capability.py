@@ -105,7 +105,9 @@ def test_the_state_is_one_sweep_in_the_joints_own_radians(robot, wording):
     assert state.sequence == robot.ctx.servos.sweep
     assert state.joints["left_shoulder_pitch"].position_rad == pytest.approx(0.7)
     assert state.joints["head_yaw"].position_rad is None
-    assert state.joints["head_yaw"].reason == "servo 20 does not answer"
+    head = state.joints["head_yaw"]
+    assert (head.reason, head.code) == ("servo 20 does not answer", "unreachable")
+    assert state.joints["left_shoulder_pitch"].code == ""
     assert (state.phase, state.moving, state.holder) == ("following", False, None)
     wording(state.reason)
 
@@ -185,6 +187,7 @@ def test_a_driver_that_is_gone_has_nothing_to_acknowledge(robot):
     assert robot.ctx.estop.acknowledged[-1][0] is True
     assert robot.state.joints["left_knee"].position_rad is None
     assert "is gone" in robot.state.joints["left_knee"].reason
+    assert robot.state.joints["left_knee"].code == "unreachable"
 
 
 def test_a_holder_whose_process_dies_is_lost(robot):

@@ -167,7 +167,7 @@ class Line:
     def silence(self, now):
         self.mover = tick(self.mover, now, 0.1)
         if not self.mover.follows:
-            self.plays = stored_motions.interrupted(self.plays, self.mover.reason)
+            self.plays = stored_motions.interrupted(self.plays, self.mover.reason, self.mover.code)
 
 
 def test_for_the_driver_a_killed_process_is_silence_and_the_next_one_starts_nothing_by_itself(bench):
@@ -179,7 +179,7 @@ def test_for_the_driver_a_killed_process_is_silence_and_the_next_one_starts_noth
     assert len(line.started) == 1
     bench.now += 0.2
     line.silence(bench.now)
-    assert (line.plays.phase, line.plays.reason) == ("failed", "no setpoint within 0.1 s")
+    assert (line.plays.phase, line.plays.code) == ("failed", "no_setpoint")
     bench.servos.phase = "holding"
     bench.restart()
     for _ in range(30):

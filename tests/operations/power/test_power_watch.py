@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from lbr.messages.power import UpsState
 from lbr.operations.power import PowerSettings
 from lbr.operations.power.state import Answered, Arm, Cancel, News, Parked, Reading, Tick
-from lbr.operations.power.watch import begin, decide, refusal
+from lbr.operations.power.watch import begin, code, decide, refusal
 
 SETTINGS = PowerSettings(device="ups")
 WARN, SHUT = SETTINGS.warn_v, SETTINGS.shutdown_v
@@ -72,6 +72,15 @@ def bench_in(phase, config=SETTINGS):
     return bench
 
 
+def test_each_phase_of_the_watch_has_the_code_of_its_sentence():
+    assert [code(bench_in(phase).watch) for phase in ("countdown", "parking", "powering_off", "off", "failed")] == [
+        *["shutting_down"] * 4, "failed",
+    ]  # fmt: skip
+    bench = Bench()
+    assert [bench.read(GOOD, GOOD), code(bench.watch)] == ["watching", ""]
+    assert [bench.read(10.2, 10.2, 10.2), code(bench.watch)] == ["warning", "limit"]
+
+
 # -- the way down -----------------------------------------------------------------------------------------------------
 
 
@@ -130,6 +139,7 @@ def test_an_emulated_supply_powers_nothing_off_and_a_good_voltage_ends_it():
     bench = bench_in("powering_off")
     assert bench.happen(Answered(pretended=True)) == "off"
     assert "emulated" in bench.watch.reason
+    assert code(bench.watch) == "not_possible"
     bench.read(*[LOW] * 200)
     assert bench.watch.phase == "off"
     assert bench.read(GOOD, GOOD, GOOD) == "watching"
@@ -206,7 +216,7 @@ def test_a_supply_that_dies_is_a_warning_and_comes_back_as_news():
     bench = bench_in("watching")
     bench.read(*[INVALID] * 60)
     assert bench.watch.phase == "warning"
-    assert bench.watch.reason == "the supply hangs"
+    assert (bench.watch.reason, code(bench.watch)) == ("the supply hangs", "stale_sensor")
     assert bench.read(GOOD) == "watching"
     assert bench.kinds() == ["supply_unknown", "supply_known"]
 
@@ -310,6 +320,7 @@ def test_a_cancel_ends_it_until_the_voltage_was_good_again(phase):
     bench.read(*[LOW] * 60)
     assert bench.watch.phase == "warning"
     assert "cancelled" in bench.watch.reason
+    assert code(bench.watch) == "cancelled"
     assert bench.done.count("power_off") == before
     bench.read(*[GOOD] * 3)
     bench.read(*[LOW] * 3)

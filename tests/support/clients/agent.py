@@ -19,7 +19,7 @@ from mcp.client.stdio import stdio_client
 from mcp.client.streamable_http import streamable_http_client
 from mcp_types import Implementation
 
-AGAIN = frozenset({"not_armed", "stale_sensor", "held", "busy", "stopped", "lapsed", "dead_lease"})
+AGAIN = frozenset({"not_armed", "no_setpoint", "stale_sensor", "held", "busy", "stopped", "lapsed", "dead_lease"})
 
 
 async def main(mode: str, tool: str, arguments: str, *command: str) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 
 from lbr.drivers.servos.bus_thread import STOP, WRITE, BusThread
 from lbr.drivers.servos.gate import ServoGate, first
+from lbr.messages.codes import ReasonCode
 from lbr.messages.servos import ServoGoal, StoredPlay
 from lbr.robots.uxa90.driver import Uxa90Settings, frames, packets, pc_control, stored_motions
 from lbr.robots.uxa90.driver.bus import Bus
@@ -64,7 +65,7 @@ class Controller:
         now = self._clock()
         before, self._gate = self._gate, gate
         if gate.stopped_since(before) or gate.estop:
-            self.interrupt(gate.reason or "it was stopped", gate.goals)
+            self.interrupt(gate.reason or "it was stopped", gate.goals, gate.code)
         self.mode = pc_control.tick(self.mode, now)
         self.plays = stored_motions.seen(self.plays, asked, self._settings.slots, follows=gate.follows)
         if self.plays.wanted:
@@ -73,10 +74,10 @@ class Controller:
         if self.plays.phase == "ending":
             self._end()
 
-    def interrupt(self, reason: str, goals: Mapping[int, ServoGoal]) -> None:
+    def interrupt(self, reason: str, goals: Mapping[int, ServoGoal], code: ReasonCode = "") -> None:
         """End its motion: take PC control, and hold the servos at their position as soon as that is read."""
         moved = self.plays.phase in {"playing", "ending"}
-        self.plays = stored_motions.interrupted(self.plays, reason)
+        self.plays = stored_motions.interrupted(self.plays, reason, code)
         if moved:
             self._targets.loose(goals)
             self.take(again=True)

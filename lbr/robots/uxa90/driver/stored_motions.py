@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import Literal
 
+from lbr.messages.codes import ReasonCode
 from lbr.messages.servos import StoredPlay, StoredState
 
 Phase = Literal["none", "waiting", "playing", "ending", "over", "failed"]
@@ -20,6 +21,7 @@ class StoredMotions:
     asked: StoredPlay | None = None
     phase: Phase = "none"
     reason: str = ""
+    code: ReasonCode = ""
     until: float = inf
     spent: int = 0
     begun: bool = False
@@ -39,7 +41,9 @@ class StoredMotions:
         if self.asked is None or self.phase == "none":
             return None
         phase = "playing" if self.phase == "ending" else self.phase
-        return StoredState(slot=self.asked.slot, count=self.asked.count, phase=phase, reason=self.reason)
+        return StoredState(
+            slot=self.asked.slot, count=self.asked.count, phase=phase, reason=self.reason, code=self.code
+        )
 
 
 def reopened(state: StoredMotions, reason: str) -> StoredMotions:
@@ -60,7 +64,7 @@ def seen(state: StoredMotions, play: StoredPlay | None, slots: Collection[int], 
         return _refused(state, play, f"motion {play.slot} of the main board may not be started; only {known} may")
     if state.phase in {"playing", "ending"}:
         return _refused(state, play, "another motion of the main board plays")
-    return replace(state, asked=play, phase="waiting", reason="", spent=play.count)
+    return replace(state, asked=play, phase="waiting", reason="", code="", spent=play.count)
 
 
 def started(state: StoredMotions, now: float) -> StoredMotions:
@@ -79,15 +83,15 @@ def regained(state: StoredMotions) -> StoredMotions:
     return replace(state, phase="over") if state.phase == "ending" else state
 
 
-def interrupted(state: StoredMotions, reason: str) -> StoredMotions:
+def interrupted(state: StoredMotions, reason: str, code: ReasonCode = "") -> StoredMotions:
     """Return the state after an end of the waiting or playing motion."""
     if state.phase not in {"waiting", "playing", "ending"}:
         return state
-    return replace(state, phase="failed", reason=reason)
+    return replace(state, phase="failed", reason=reason, code=code)
 
 
 def _refused(state: StoredMotions, play: StoredPlay, reason: str) -> StoredMotions:
     """Refuse a motion; beside one that plays, the refusal is not reported."""
     if state.phase in {"playing", "ending"}:
         return replace(state, spent=play.count)
-    return replace(state, asked=play, phase="failed", reason=reason, spent=play.count)
+    return replace(state, asked=play, phase="failed", reason=reason, code="", spent=play.count)

@@ -31,6 +31,7 @@ const WAYS: Record<string, (about: string) => Way[]> = {
   foreign_lease: held,
   unwell: lacks,
   not_armed: lacks,
+  no_setpoint: lacks,
   not_ready: lacks,
   unreachable: lacks,
 };

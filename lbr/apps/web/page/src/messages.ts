@@ -21,7 +21,7 @@ export interface CallState {
   phase: "idle" | "ringing" | "connecting" | "talking"; caller: string; at_once: boolean; by_webrtc: number; most: number; displays: number;
   camera: string; picture: string; hears: string; sound: string; reason: string; calls: number; lacks?: string;
 }
-export interface DanceState { phase: "resting" | "dancing" | "ended"; song: string; dance: string; beat: number; beats: number; reason: string }
+export interface DanceState { phase: "resting" | "dancing" | "ended"; song: string; dance: string; beat: number; beats: number; reason: string; code?: string }
 export interface BoxState { recording: string; recording_s: number; recording_mb: number; kept: number; trouble: string }
 export interface CameraState { on: boolean; phase: string; width_px?: number | null; height_px?: number | null; fps?: number | null; frames?: number; reason?: string; code?: string }
 export interface RangeSensor { name: string; kind: string; x_m?: number; y_m?: number; z_m?: number; yaw_rad?: number; pitch_rad?: number; fov_rad?: number; min_m?: number; max_m?: number; rays?: number; stop_m?: number | null }

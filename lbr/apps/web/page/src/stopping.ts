@@ -1,6 +1,6 @@
 // Stopping: asked by requests of their own, which wait for nothing, whether the socket lives or not.
 import { computed, signal } from "@preact/signals";
-import { ask } from "./access";
+import { ask, told } from "./access";
 import { holding } from "./holding";
 import { status } from "./live";
 import { notice, toldLately, withdraw } from "./notices";
@@ -26,7 +26,7 @@ export async function stop(): Promise<void> {
   let answer = await ask("stop", URGENT);
   if (!answer.ok && answer.status === 0) answer = await ask("stop", URGENT);
   if (answer.ok && !pressed.value) notice(t("stop.stopped"), "info");
-  if (!answer.ok) notice(t("stop.failed", { reason: answer.reason }), "bad");
+  if (!answer.ok) notice(t("stop.failed", { reason: told(answer) }), "bad");
 }
 
 /** Whether a stop ended the motion, and a notice has just reported that stop. */
@@ -39,7 +39,7 @@ export async function engage(): Promise<void> {
   withdraw(t("stop.stopped"));
   let answer = await ask("estop", { ...URGENT, body: { reason: "pressed on the page" } });
   if (!answer.ok && answer.status === 0) answer = await ask("estop", { ...URGENT, body: {} });
-  if (!answer.ok) notice(t("stop.failed", { reason: answer.reason }), "bad");
+  if (!answer.ok) notice(t("stop.failed", { reason: told(answer) }), "bad");
   setTimeout(() => { pressed.value = false; }, 3000);
 }
 

@@ -8,6 +8,7 @@ export const codes = {
   "code.lapsed": ["The link was too slow", "Die Verbindung war zu langsam"],
   "code.role": ["Not allowed to you", "Ihnen nicht erlaubt"],
   "code.not_armed": ["Motors are off", "Motoren sind aus"],
+  "code.no_setpoint": ["Orders to the motors ceased", "Befehle an die Motoren blieben aus"],
   "code.no_torque": ["Joints are off", "Gelenke sind aus"],
   "code.rights": ["This machine does not allow it", "Der Rechner erlaubt es nicht"],
   "code.off": ["Switched off", "Ausgeschaltet"],

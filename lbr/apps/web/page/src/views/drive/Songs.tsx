@@ -1,4 +1,5 @@
 // The songs that the robot has: heard, or danced to.
+import { inWords } from "../../access";
 import { plain } from "../../format";
 import { useStream } from "../../live";
 import type { DanceState, SpeechState } from "../../messages";
@@ -31,7 +32,7 @@ export function Songs() {
           <span class="drive-gauge-bar" aria-hidden="true"><span style={{ width: `${part}%` }} /></span>
         </div>
       )}
-      {!dances && state?.phase === "ended" && state.reason && <p class="muted drive-ended">{state.reason}</p>}
+      {!dances && state?.phase === "ended" && state.reason && state.code !== "done" && <p class="muted drive-ended">{inWords(state)}</p>}
       {songs.length === 0 && <p class="muted">{t("drive.songs.none")}</p>}
       <ul class="drive-songs">
         {songs.map((song) => (

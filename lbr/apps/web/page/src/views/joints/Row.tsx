@@ -1,5 +1,6 @@
 // One joint: how it is, a slider and a number, its torque; more of it when it is chosen.
 import { useRef, useState } from "preact/hooks";
+import { inWords } from "../../access";
 import { degrees, number, percent } from "../../format";
 import { Badge, Button, Icon, useOwnId, type IconName } from "../../parts";
 import { jointName, maybe, t } from "../../words";
@@ -130,7 +131,7 @@ function Details({ state, tone, range, may, onRecover }: { state: JointState | u
           {state?.latched?.length ? <Button icon="restart" disabled={!may} onClick={onRecover}>{t("joints.recover")}</Button> : null}
         </p>
       )}
-      {state?.reason && <p class="joints-reason">{state.reason}</p>}
+      {state?.reason && <p class="joints-reason">{inWords(state)}</p>}
       <dl class="joints-facts">{facts.map(([what, value]) => <div key={what}><dt>{what}</dt><dd>{value}</dd></div>)}</dl>
     </div>
   );

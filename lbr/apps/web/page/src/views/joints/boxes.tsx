@@ -9,10 +9,10 @@ import { maybe, t } from "../../words";
 import { ownerOf, useCalm } from "./hooks";
 
 interface UpsState {
-  valid: boolean; reason?: string; source?: string | null; external_v?: number | null; battery_v?: number | null; output_v?: number | null; charge?: number | null;
+  valid: boolean; reason?: string; code?: string; source?: string | null; external_v?: number | null; battery_v?: number | null; output_v?: number | null; charge?: number | null;
   charging?: boolean | null; temperature_c?: number | null; relay?: boolean | null;
 }
-interface PowerState { phase: string; armed: boolean; warn_v: number; shutdown_v: number; reason?: string; remaining_s?: number | null; ups?: UpsState | null }
+interface PowerState { phase: string; armed: boolean; warn_v: number; shutdown_v: number; reason?: string; code?: string; remaining_s?: number | null; ups?: UpsState | null }
 
 const volts = (value: number | null | undefined): string => (value == null ? "–" : `${number(value, 2)} V`);
 
@@ -98,7 +98,7 @@ function Supply({ stream }: { stream: string }) {
         [t("joints.temperature"), state?.temperature_c == null ? "–" : `${number(state.temperature_c)} °C`],
         ...(state?.charge == null ? [] : [[t("joints.charge"), percent(state.charge)] as [string, string]]),
       ]} />
-      {state?.reason && <p class="joints-reason">{state.reason}</p>}
+      {state?.reason && <p class="joints-reason">{inWords(state)}</p>}
     </Card>
   );
 }
@@ -130,7 +130,7 @@ function Guard({ stream }: { stream: string }) {
         {counting && <strong class="joints-countdown" role="timer">{number(state.remaining_s)} s</strong>}
       </p>
       <Facts facts={[[t("joints.warn_v"), volts(state.warn_v)], [t("joints.shutdown_v"), volts(state.shutdown_v)]]} />
-      {state.reason && <p class="joints-reason">{state.reason}</p>}
+      {state.code && <p class="joints-reason">{inWords(state)}</p>}
       <div class="joints-actions">
         {counting && <Button kind="primary" disabled={!may("operate")} onClick={() => void command(owner, "cancel", { reason: "from the page" })}>{t("joints.cancel")}</Button>}
         {state.armed

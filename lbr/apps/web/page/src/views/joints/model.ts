@@ -1,5 +1,6 @@
 // The robot's body and its joints as the page has them: GET /api/model, and the newest of what the joints say.
 import { signal } from "@preact/signals";
+import { told } from "../../access";
 import { fetchJson } from "../../robot";
 
 export type Vec = [number, number, number];
@@ -14,7 +15,7 @@ export interface BodyModel { robot: string; links: Link[]; joints: Record<string
 
 export interface JointState {
   id: number; position_rad?: number | null; speed_rps?: number | null; load?: number | null; goal_rad?: number | null; target_rad?: number | null;
-  torque?: number | null; voltage_v?: number | null; temperature_c?: number | null; faults?: string[]; latched?: string[]; reason?: string;
+  torque?: number | null; voltage_v?: number | null; temperature_c?: number | null; faults?: string[]; latched?: string[]; reason?: string; code?: string;
   trusted?: boolean | null; age_s?: number | null;
 }
 export interface JointsState {
@@ -34,7 +35,7 @@ export async function loadBody(revision: string): Promise<void> {
   if (answer.ok && answer.data) body.value = answer.data;
   else {
     of = null;
-    body.value ??= { robot: "", links: [], joints: {}, sensors: [], left_out: [], reason: answer.reason };
+    body.value ??= { robot: "", links: [], joints: {}, sensors: [], left_out: [], reason: told(answer) };
   }
 }
 

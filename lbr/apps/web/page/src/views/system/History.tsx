@@ -1,6 +1,7 @@
 // What was: battery, speed, distances and temperatures over minutes, hours or a day, what happened then, and why it stood.
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type uPlot from "uplot";
+import { told } from "../../access";
 import { number, plain, tickText } from "../../format";
 import { remember, remembered } from "../../kept";
 import { events, link } from "../../live";
@@ -46,7 +47,7 @@ export function History() {
       const answer = await history(fields, begin, end, Math.max(2, Math.min(POINTS, Math.round((end - begin) / step))));
       if (over) return;
       look(true);
-      refuse(answer.ok ? "" : answer.reason);
+      refuse(answer.ok ? "" : told(answer));
       if (answer.ok && answer.data) setPast(known = joined(known, answer.data, zoom ? from : now - wide));
       if (!zoom) timer = setTimeout(() => void ask(), known.at_ms.length > 1 ? Math.max(step, LEAST_AGAIN_MS) : FIRST_AGAIN_MS);
     };
