@@ -9,7 +9,7 @@ from lbr.console.verbs import Vocabulary
 from lbr.database.rows import BUILT_IN_VERBS, ExternalCommandRow
 from lbr.errors import InputError
 from lbr.executive.planning.wiring import EXECUTIVE_ROLES, EXECUTIVE_VERBS
-from lbr.executive.service.dispatch import Dispatcher, _Speaker
+from lbr.executive.service.dispatch import Dispatcher, Sender
 from lbr.messages.system import ConsoleResult, Role
 from tests.support.words import as_shipped
 
@@ -23,7 +23,7 @@ def test_a_robot_that_moves_nothing_says_so_when_it_is_stopped(wording):
     words = Vocabulary([])
     dispatcher = Dispatcher(SimpleNamespace(plan=plan, vocabulary=words, record=lambda *_: None), None, {})
     for line in ("s", "S", "stop", "/stop"):
-        result = dispatcher.execute(line, source="console", role="view")
+        result = dispatcher.execute(line, Sender("console", "view"))
         assert result.code == 0
         wording(result.text)
 
@@ -65,8 +65,8 @@ def test_a_program_is_started_after_any_stop_and_told_whose_line_it_was_and_when
     """What may not begin any more is decided by who begins it, by source and date."""
     started: list[tuple] = []
     dispatcher = dispatcher_of_programs(started)
-    assert dispatcher.execute("s", source="bob", role="operate", sent_s=3.0).code == 0
-    assert dispatcher.execute("dim", source="ann", role="operate", sent_s=3.5, waited_s=2.0).code == 0
+    assert dispatcher.execute("s", Sender("bob", "operate", sent_s=3.0)).code == 0
+    assert dispatcher.execute("dim", Sender("ann", "operate", sent_s=3.5, waited_s=2.0)).code == 0
     ((call, _who, origin, said_s),) = started
     assert (call.command.name, origin, said_s) == ("dim", Origin("ann", 1.5), 3.5)
 
@@ -77,7 +77,7 @@ def test_a_program_is_started_after_any_stop_and_told_whose_line_it_was_and_when
 def test_rows_are_reported_on_pages_only_to_those_who_may_look_at_rows_there(monkeypatch, role, page, code):
     monkeypatch.setattr("lbr.executive.service.reports.Reports.make", lambda _self, _name: ({}, "rows"))
     report = Dispatcher(None, None, {})._built_in["report"]
-    result = report(SimpleNamespace(payload={"name": "rows"}), _Speaker("phone", role, False, 0.0, page=page))
+    result = report(SimpleNamespace(payload={"name": "rows"}), Sender("phone", role, page=page))
     assert (result.reason_code or "done") == code
 
 
@@ -103,16 +103,16 @@ def test_every_word_of_every_robot_is_refused_to_who_has_a_lower_role_than_it_ne
     for row in (*rows.verbs, *BUILT_IN_VERBS):
         line = spoken(row, 9)
         for role in lower.get(row.role, ()):
-            result = dispatcher.execute(line, source="ann", role=role)
+            result = dispatcher.execute(line, Sender("ann", role))
             if result.code == 2:
                 break  # a field that is no number, say: such a line does nothing for anybody
             assert result.reason_code == "role", (line, role, result.text)
             refused += 1
     for program in rows.external_commands:
         for role in lower.get(program.role, ()):
-            assert dispatcher.execute(program.name, source="ann", role=role).reason_code == "role", program.name
+            assert dispatcher.execute(program.name, Sender("ann", role)).reason_code == "role", program.name
             refused += 1
     assert refused > 10, "most words are for those who may do more than look"
     assert asked == []
     for line in ("!print(1)", "!", "restart/drive", "Shutdown"):
-        assert dispatcher.execute(line, source="ann", role="operate").code != 0, line
+        assert dispatcher.execute(line, Sender("ann", "operate")).code != 0, line

@@ -22,7 +22,7 @@ from lbr.executive.planning import credentials, rights
 from lbr.executive.planning import plan as plans
 from lbr.executive.planning.process_specs import LAN
 from lbr.executive.planning.said import vocabulary
-from lbr.executive.service.dispatch import Dispatcher
+from lbr.executive.service.dispatch import Dispatcher, Sender
 from lbr.executive.service.letting_in import LettingIn
 from lbr.executive.service.pairing import Code
 from lbr.messages.rows import by_table
@@ -175,9 +175,9 @@ def test_who_comes_in_is_for_admins_alone_on_a_page_too(rows, line):
     vocabulary = _vocabulary(plan)
     robot = SimpleNamespace(plan=plan, vocabulary=vocabulary, record=lambda *_: None)
     dispatcher = Dispatcher(robot, None, {})  # with no bus, so that it would break if it went on
-    assert dispatcher.execute(line, source="web:ann", role="operate", page=True).reason_code == "role"
-    assert dispatcher.execute(line, source="web:ann", role="admin", page=True).reason_code not in {"role", "denied"}
-    assert dispatcher.execute(line, source="ann", role="operate").reason_code == "role"
+    assert dispatcher.execute(line, Sender("web:ann", "operate", page=True)).reason_code == "role"
+    assert dispatcher.execute(line, Sender("web:ann", "admin", page=True)).reason_code not in {"role", "denied"}
+    assert dispatcher.execute(line, Sender("ann", "operate")).reason_code == "role"
 
 
 def _vocabulary(plan):

@@ -11,7 +11,7 @@ from typing import get_args
 from lbr.bus import keys, stamp, wire
 from lbr.bus.session import Session
 from lbr.console.stops import is_stop
-from lbr.executive.service.dispatch import Dispatcher
+from lbr.executive.service.dispatch import Dispatcher, Sender
 from lbr.executive.service.journal import sender
 from lbr.executive.services import Service
 from lbr.messages.system import ConsoleResult, Role
@@ -137,17 +137,15 @@ class ConsoleService(Service):
             text = f"a line has at most 4096 characters, not {len(request.payload)}"
             return ConsoleResult(code=2, text=text, reason_code="bad_value")
         sent = stamp.read(request.attachment)
-        sent_s, remote_stamp = stamp.sent_s(sent, request.arrived), request.attachment if sent and sent.via else b""
-        waited_s = sent.waited_s if sent is not None else 0.0
-        return self._dispatcher.execute(
-            line,
-            source=sender(sent),
-            role=role,
-            sent_s=sent_s,
-            remote_stamp=remote_stamp,
-            waited_s=waited_s,
+        by = Sender(
+            sender(sent),
+            role,
+            sent_s=stamp.sent_s(sent, request.arrived),
+            remote_stamp=request.attachment if sent and sent.via else b"",
+            waited_s=sent.waited_s if sent is not None else 0.0,
             page=page,
         )
+        return self._dispatcher.execute(line, by)
 
 
 def _line(payload: bytes) -> str | bytes:

@@ -7,9 +7,9 @@ import json
 import time
 import traceback
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
 
 import msgspec
+from msgspec import Struct, field
 
 from lbr import home
 from lbr.bus import codec, keys, stamp, wire
@@ -43,17 +43,17 @@ ROWS = "rows"
 """A report that on other machines and pages is only for those who may look at rows there."""
 
 
-class _Speaker(NamedTuple):
-    """The sender of a line: its rights, whether it is the robot's own terminal, and the time.
+class Sender(Struct, frozen=True):
+    """The sender of a line: its rights, whether it is the robot's own terminal, and the time by the monotonic clock.
 
-    `remote_stamp` is the stamp of a line from another machine, which is passed on unchanged; the line had waited there
-    for `waited_s`. `page`: the server for people sends it in a person's name.
+    `remote_stamp` is the stamp of a line from another machine, which is passed on unchanged. `waited_s` is the age that
+    the line had when it was sent. `page`: the server for people sends it in a person's name.
     """
 
     source: str
     role: Role
-    local: bool
-    sent_s: float
+    local: bool = False
+    sent_s: float = field(default_factory=time.monotonic)
     remote_stamp: bytes = b""
     waited_s: float = 0.0
     page: bool = False
@@ -92,7 +92,7 @@ class Dispatcher:
         self._namespace = dict(namespace)
         self._leases: dict[tuple[str, str, bool], str] = {}
         self._letting_in = LettingIn(robot, self._address)
-        self._built_in: dict[str, Callable[[VerbCall, _Speaker], ConsoleResult]] = {
+        self._built_in: dict[str, Callable[[VerbCall, Sender], ConsoleResult]] = {
             "stop": self._stop,
             "report": self._report,
             "status": lambda _call, _by: ConsoleResult(code=DONE, text=self._reports.health()),
@@ -108,30 +108,12 @@ class Dispatcher:
             "close": lambda _call, by: self._letting_in.close(by.audit_name),
         }
 
-    def execute(
-        self,
-        line: str | bytes,
-        *,
-        source: str,
-        role: Role,
-        local: bool = False,
-        sent_s: float | None = None,
-        remote_stamp: bytes = b"",
-        waited_s: float = 0.0,
-        page: bool = False,
-    ) -> ConsoleResult:
-        """Return the result of a line; never raises. `sent_s` is when it was sent, by the monotonic clock.
-
-        `remote_stamp` is its stamp if it came from another machine; `waited_s` is its age since it was typed or
-        written.
-        """
+    def execute(self, line: str | bytes, by: Sender) -> ConsoleResult:
+        """Return the result of a line; never raises."""
         try:
             line = stop_in(line) or line
             parsed = self._robot.vocabulary.parse(line)
-            if parsed is None:
-                return ConsoleResult(code=DONE, text="")
-            said_s = time.monotonic() if sent_s is None else sent_s
-            return self._run(parsed, _Speaker(source, role, local, said_s, remote_stamp, waited_s, page), clean(line))
+            return self._run(parsed, by, clean(line)) if parsed is not None else ConsoleResult(code=DONE, text="")
         except InputError as err:
             return ConsoleResult(code=BAD_INPUT, text=str(err), reason_code=err.code)
         except LbrError as err:
@@ -151,7 +133,7 @@ class Dispatcher:
             no_page = str(err)
         return "\n".join(greeting.lines(self._robot.status(), page, no_page))
 
-    def _run(self, parsed: Parsed, by: _Speaker, line: str) -> ConsoleResult:
+    def _run(self, parsed: Parsed, by: Sender, line: str) -> ConsoleResult:
         if isinstance(parsed, PythonLine):
             return self._python(parsed.code, by)
         needed = parsed.verb.role if isinstance(parsed, VerbCall) else parsed.command.role
@@ -169,10 +151,10 @@ class Dispatcher:
             return self._built_in[parsed.command](parsed, by)
         return self._ask(parsed, by)
 
-    def _estop(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
+    def _estop(self, call: VerbCall, by: Sender) -> ConsoleResult:
         return self._robot.estop(str(call.payload.get("reason", "")), by.source)
 
-    def _ask(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
+    def _ask(self, call: VerbCall, by: Sender) -> ConsoleResult:
         name = call.capability
         if name not in self._robot.plan.units:
             text = f"'{name}' is not running: its row is disabled or the profile leaves it out"
@@ -195,7 +177,7 @@ class Dispatcher:
             return ConsoleResult(code=FAILED, text=text, reason_code="unreachable")
         return self._result_of(call, payload, answer, by)
 
-    def _result_of(self, call: VerbCall, payload: JsonObject, answer: JsonObject, by: _Speaker) -> ConsoleResult:
+    def _result_of(self, call: VerbCall, payload: JsonObject, answer: JsonObject, by: Sender) -> ConsoleResult:
         if "accepted" not in answer:
             return ConsoleResult(code=DONE, text=json.dumps(answer), reason_code="done", data=answer)
         reason = str(answer.get("reason", ""))
@@ -227,7 +209,7 @@ class Dispatcher:
         settings = self._robot.plan.kinds[name].parse(self._robot.plan.units[name].config.settings)
         return float(getattr(settings, "max_run_s", BOUNDED_RUN_S if bounded else MAX_RUN_S))
 
-    def _query(self, call: VerbCall, payload: dict[str, object], by: _Speaker) -> dict[str, object] | None:
+    def _query(self, call: VerbCall, payload: dict[str, object], by: Sender) -> dict[str, object] | None:
         key = keys.port(self._robot.plan.robot, call.capability, call.command)
         answers = wire.ask(
             self._bus,
@@ -252,7 +234,7 @@ class Dispatcher:
     def _status_of(self, name: str) -> CapabilityStatus | None:
         return next((unit for unit in self._robot.status().capabilities if unit.name == name), None)
 
-    def _stop(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
+    def _stop(self, call: VerbCall, by: Sender) -> ConsoleResult:
         """Stop all motion at the same time: a mover that does not answer delays no other stop."""
         robot = self._robot.plan.robot
         movers = {keys.port(robot, name, STOP): name for name in self._robot.plan.stoppable()}
@@ -276,20 +258,20 @@ class Dispatcher:
     def _has_process(self, name: str) -> bool:
         return (found := self._status_of(name)) is not None and found.pid is not None
 
-    def _report(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
+    def _report(self, call: VerbCall, by: Sender) -> ConsoleResult:
         name = str(call.payload.get("name", "telemetry"))
         if name == ROWS and by.is_recorded and (why := _not_allowed("operate", by)):
             return ConsoleResult(code=FAILED, text=why.text, reason_code=why.code)
         data, text = self._reports.make(name)
         return ConsoleResult(code=DONE, text=text, data=data)
 
-    def _why(self, call: VerbCall, by: _Speaker) -> ConsoleResult:
+    def _why(self, call: VerbCall, by: Sender) -> ConsoleResult:
         now = looking.look(self._robot, self._bus, asker=by.source, role=by.role)
         found = explain(now, str(call.payload.get("part", "")))
         text = "\n".join(telling.lines(found))
         return ConsoleResult(code=DONE, text=text, reason_code=found.code or "done", data=msgspec.to_builtins(found))
 
-    def _help(self, call: VerbCall, _by: _Speaker) -> ConsoleResult:
+    def _help(self, call: VerbCall, _by: Sender) -> ConsoleResult:
         words = self._robot.vocabulary
         entries = words.entries(choices(self._robot.plan, home.home()))
         if not (word := str(call.payload.get("word", "")).strip("/")):
@@ -297,11 +279,11 @@ class Dispatcher:
         found = [entry for entry in entries if word in {entry["word"], entry["target"].partition(".")[0]}]
         return ConsoleResult(code=DONE, text=words.tell(word, found), data=found)
 
-    def _shutdown(self, _call: VerbCall, by: _Speaker) -> ConsoleResult:
+    def _shutdown(self, _call: VerbCall, by: Sender) -> ConsoleResult:
         self._robot.shutdown(by.source)
         return ConsoleResult(code=DONE, text="shutting down")
 
-    def _restart(self, call: VerbCall, _by: _Speaker) -> ConsoleResult:
+    def _restart(self, call: VerbCall, _by: Sender) -> ConsoleResult:
         name = str(call.payload.get("name", ""))
         if (found := self._status_of(name)) is not None and found.host and found.phase == "waiting":
             raise InputError(f"'{name}' does not run: {found.reason}", "unreachable")
@@ -317,7 +299,7 @@ class Dispatcher:
                 return said if isinstance(said, dict) else None
         return None
 
-    def _python(self, code: str, by: _Speaker) -> ConsoleResult:
+    def _python(self, code: str, by: Sender) -> ConsoleResult:
         if not by.local:
             text = "Python runs at the terminal that started the robot, and nowhere else"
             return ConsoleResult(code=FAILED, text=text, reason_code="denied")
@@ -334,7 +316,7 @@ class Dispatcher:
         return ConsoleResult(code=DONE, text=text.rstrip("\n"))
 
 
-def _not_allowed(needed: Role, by: _Speaker) -> Reason | None:
+def _not_allowed(needed: Role, by: Sender) -> Reason | None:
     if RANKS[by.role] >= RANKS[needed]:
         return None
     return Reason("role", f"this needs the role '{needed}', and you have '{by.role}'")

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from lbr.bus.session import Session
 from lbr.errors import LbrError
 from lbr.executive import beside
-from lbr.executive.service.dispatch import Dispatcher
+from lbr.executive.service.dispatch import Dispatcher, Sender
 from lbr.messages.system import ConsoleResult
 
 Start = Callable[[str, Callable[[], Session], Dispatcher, Callable[[str, int], None]], None]
@@ -32,7 +32,7 @@ def start(
     at_terminal = sys.stdin.isatty() and sys.stdout.isatty()  # another program may have written the input of a pipe
 
     def submit(line: str, waited_s: float) -> ConsoleResult:
-        return dispatcher.execute(line, source="console", role="admin", local=at_terminal, waited_s=waited_s)
+        return dispatcher.execute(line, Sender("console", "admin", local=at_terminal, waited_s=waited_s))
 
     def talk() -> None:
         code, why = 0, "console closed"
