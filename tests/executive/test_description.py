@@ -75,7 +75,7 @@ def test_nothing_else_may_say_lines(plans):
 def test_on_another_machine_it_has_no_such_rights(plans):
     plan = plans["uxa90"]
     web = msgspec.structs.replace(plan.units["web"], serves_people=False)
-    assert "uxa90/**" not in rights.of_guest(plan, web).ask
+    assert "uxa90/**" not in rights.of_process(plan, web).ask
 
 
 def test_a_base_says_how_it_moves_and_how_fast_by_its_rows(plans):

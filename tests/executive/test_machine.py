@@ -8,9 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.capability.kind import Kind, NoSettings
-from lbr.database.rows import CapabilityRow
+from lbr.database.rows import CapabilityRow, RobotRow, RobotRows
 from lbr.database.store import Database
 from lbr.executive.planning import machine
+from lbr.executive.planning.draft import Draft
 from lbr.executive.planning.machine import ANY, MOST_CAPABILITIES, Machine, this_machine
 from lbr.executive.planning.profile import Profile, load
 from lbr.executive.planning.run_identity import RunIdentity
@@ -22,8 +23,10 @@ HERE = Profile(robot="r")
 
 
 def found(count: int, on: Machine = ANY, profile: Profile = HERE) -> list[str]:
-    rows = [CapabilityRow(name=f"c{n}", kind="k") for n in range(count)]
-    return [str(one) for one in machine.problems("r", rows, {row.name: KIND for row in rows}, profile, on)]
+    chosen = tuple(CapabilityRow(name=f"c{n}", kind="k") for n in range(count))
+    kinds = {row.name: KIND for row in chosen}
+    draft = Draft(rows=RobotRows(robot=RobotRow(name="r")), profile=profile, kinds=kinds, settings={}, chosen=chosen)
+    return [str(one) for one in machine.problems(draft, on)]
 
 
 @given(st.integers(0, 300), st.integers(0, 300))

@@ -1,6 +1,6 @@
 """The devices of the rows: their owners, their permitted settings, and their addresses in this run. Pure."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from msgspec import Struct
@@ -10,29 +10,29 @@ from lbr.capability.kind import Kind
 from lbr.capability.settings import faults
 from lbr.capability.twins import TwinError
 from lbr.database.reading import Problem
-from lbr.database.rows import CapabilityRow, DeviceRow, RobotRows
+from lbr.database.rows import DeviceRow
+from lbr.executive.planning.draft import Draft
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
 
 
-def check_device_settings(rows: RobotRows, kinds: Mapping[str, Kind], *, simulated: bool) -> list[Problem]:
-    """Return the faults in the settings of device rows, for kinds that read them and, in a simulation, for twins."""
-    devices = [(device, f"{rows.robot.name}/{device.name}") for device in rows.devices]
+def check_device_settings(draft: Draft) -> Iterator[Problem]:
+    """Yield the faults in the settings of device rows, for kinds that read them and, in a simulation, for twins."""
+    devices = [(device, f"{draft.robot}/{device.name}") for device in draft.rows.devices]
     devices += [
         (faulty.row, faulty.label)
-        for faulty in rows.faulty
+        for faulty in draft.rows.faulty
         if faulty.table == "device" and not faulty.columns & {"type", "settings"}
     ]
-    problems = []
+    worlds = {id(kind): kind for kind in draft.kinds.values() if kind.rights.emulates}.values()
     for device, label in devices:
-        for kind in {id(kind): kind for kind in kinds.values() if kind.rights.emulates}.values():
+        for kind in worlds:
             of_type, wrong = _settable(device.type)
             if of_type is not None:
-                said = [f"{fault} (for kind '{kind.name}')" for fault in faults(of_type, device.settings)]
-                problems += [Problem("device", label, "settings", one) for one in said]
-            elif wrong and simulated:
-                problems.append(Problem("device", label, "type", wrong))
-    return problems
+                for fault in faults(of_type, device.settings):
+                    yield Problem("device", label, "settings", f"{fault} (for kind '{kind.name}')")
+            elif wrong and draft.profile.simulate:
+                yield Problem("device", label, "type", wrong)
 
 
 def _settable(device_type: str) -> tuple[type[Struct] | None, str]:
@@ -44,30 +44,24 @@ def _settable(device_type: str) -> tuple[type[Struct] | None, str]:
     return (twin.row, "") if twin is not None else (None, "")
 
 
-def check_devices(
-    rows: RobotRows, chosen: list[CapabilityRow], kinds: Mapping[str, Kind], settings: Mapping[str, Struct]
-) -> list[Problem]:
-    """Return which capabilities name a device of another type, or a device that another capability owns."""
-    problems = []
-    devices = {device.name: device for device in rows.devices}
+def check_devices(draft: Draft) -> Iterator[Problem]:
+    """Yield which capabilities name a device of another type, or a device that another capability owns."""
+    devices = {device.name: device for device in draft.rows.devices}
     owners: dict[str, str] = {}
-    for row in chosen:
-        wanted = kinds[row.name].device_type
-        if not wanted or row.name not in settings:
-            continue
-        name = str(getattr(settings[row.name], "device", ""))
+    for row in draft.chosen:
+        wanted = draft.kinds[row.name].device_type
+        name = str(getattr(draft.settings.get(row.name), "device", ""))
         device = devices.get(name)
-        if device is None:
+        if not wanted or device is None:
             continue
         if device.type != wanted:
-            text = f"device '{name}' is of type '{device.type}', and this kind drives '{wanted}'"
+            text = f"device: device '{name}' is of type '{device.type}', and this kind drives '{wanted}'"
+            yield draft.problem(row.name, "settings", text)
         elif name in owners:
-            text = f"device '{name}' already belongs to '{owners[name]}'; one capability owns a device"
+            text = f"device: device '{name}' already belongs to '{owners[name]}'; one capability owns a device"
+            yield draft.problem(row.name, "settings", text)
         else:
             owners[name] = row.name
-            continue
-        problems.append(Problem("capability", f"{rows.robot.name}/{row.name}", "settings", f"device: {text}"))
-    return problems
 
 
 def device_address(device: DeviceRow, kinds: Iterable[Kind], profile: Profile, site: RunIdentity, robot: str) -> str:

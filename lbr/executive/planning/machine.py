@@ -3,7 +3,7 @@
 import contextlib
 import os
 import resource
-from collections.abc import Callable, Container, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator
 from pathlib import Path
 
 from msgspec import Struct
@@ -11,7 +11,7 @@ from msgspec import Struct
 from lbr.capability.kind import Kind
 from lbr.database.reading import Problem
 from lbr.database.rows import CapabilityRow
-from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.draft import Draft
 
 MOST_CAPABILITIES = 100
 """Four times the largest robot.
@@ -40,26 +40,19 @@ class Machine(Struct, frozen=True):
 ANY = Machine()
 
 
-def problems(
-    robot: str, chosen: Iterable[CapabilityRow], kinds: Mapping[str, Kind], profile: Profile, machine: Machine
-) -> list[Problem]:
-    """Return why the chosen capabilities cannot run: they exceed the machine, or something is not installed. Pure."""
-    chosen = list(chosen)
-    local_rows = [row for row in chosen if not profile.host_of(row.name)]
-    lacking = [(row, machine.lacks(kinds[row.name])) for row in local_rows]
-    refusals = [
-        Problem("capability", f"{robot}/{row.name}", "kind", f"'{row.kind}' cannot run: {what}")
-        for row, what in lacking
-        if what
-    ]
+def problems(draft: Draft, machine: Machine) -> Iterator[Problem]:
+    """Yield why the chosen capabilities cannot run: they exceed the machine, or something is not installed. Pure."""
+    local_rows = [row for row in draft.chosen if not draft.profile.host_of(row.name)]
+    for row in local_rows:
+        if what := machine.lacks(draft.kinds[row.name]):
+            yield draft.problem(row.name, "kind", f"'{row.kind}' cannot run: {what}")
     count = processes(local_rows, {row.name for row in local_rows})
     if count > machine.most:
-        refusals.append(_too_many(robot, count, machine.bound))
-    for host, names in profile.hosts.items():
-        there = sum(row.name in names for row in chosen)
+        yield _too_many(draft.robot, count, machine.bound)
+    for host, names in draft.profile.hosts.items():
+        there = sum(row.name in names for row in draft.chosen)
         if there > MOST_CAPABILITIES:
-            refusals.append(_too_many(robot, there, f"{ANY.bound}, also the host '{host}'"))
-    return refusals
+            yield _too_many(draft.robot, there, f"{ANY.bound}, also the host '{host}'")
 
 
 def processes(rows: Iterable[CapabilityRow], names: Container[str]) -> int:

@@ -19,9 +19,10 @@ from lbr.database.reading import Problem
 from lbr.database.rows import CapabilityRow, RobotRows, TokenRow
 from lbr.executive.planning import machine, placement, rights, said, sharing, words
 from lbr.executive.planning.devices import check_device_settings, check_devices
+from lbr.executive.planning.draft import Draft
 from lbr.executive.planning.machine import Machine
 from lbr.executive.planning.plan import Plan
-from lbr.executive.planning.process_specs import ProcessSpec, unit, with_lan
+from lbr.executive.planning.process_specs import ProcessSpec, Specs
 from lbr.executive.planning.profile import Profile
 from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.planning.sharing import LAN
@@ -60,39 +61,25 @@ def make(
             kinds[row.name] = kind
         if parsed is not None and "name" not in bad:
             settings[row.name] = parsed
-    problems += check_channels(rows, kinds, settings)
-    problems += check_verbs(rows, kinds, settings)
-    problems += words.faults(kinds.values())
-    problems += _check_tables(rows, kinds)
-    chosen = [
-        replace(row, process=profile.processes.get(row.name, row.process))
-        for row in rows.capabilities
-        if row.name in kinds and _runs(row, kinds[row.name], profile)
-    ]
-    problems += check_devices(rows, chosen, kinds, settings)
-    problems += check_device_settings(rows, kinds, simulated=profile.simulate)
-    problems += _check_profile(rows, profile)
-    problems += placement.problems(rows, kinds, profile)
-    problems += sharing.problems(rows, chosen, kinds, profile)
-    problems += machine.problems(rows.robot.name, chosen, kinds, profile, on)
-    chosen = _after_the_world(chosen, kinds)
+    chosen = [row for row in rows.capabilities if row.name in kinds and _runs(row, kinds[row.name], profile)]
+    draft = Draft(rows=rows, profile=profile, kinds=kinds, settings=settings, chosen=_placed(chosen, kinds, profile))
+    problems += [problem for check in CHECKS for problem in check(draft)]
+    problems += machine.problems(draft, on)
     if problems:
         return None, tuple(problems)
     rows = replace(rows, verbs=words.words(rows, kinds))
+    draft = replace(draft, rows=rows)
     whole = all(row.name in kinds for row in rows.capabilities)  # else a word's kind may be left out
-    if whole and (wrong := tuple(said.problems(rows, kinds, settings))):
+    if whole and (wrong := tuple(said.problems(draft))):
         return None, wrong
-    order = _order(chosen)
+    order = _order(draft.chosen)
     channels = [c for c in rows.channels if c.enabled and {c.source_end[0], c.target_end[0]} <= {EXECUTIVE, *order}]
     channels += by_themselves(order, rows, kinds)
-    by_name = {row.name: row for row in chosen}
-    units = {
-        name: unit(by_name[name], kinds, settings[name], rows, channels, profile, site, set(order)) for name in order
-    }
-    plan = Plan(robot=rows.robot.name, units=units, kinds=kinds, rows=rows)
-    guests = {name: rights.of_guest(plan, one) for name, one in units.items() if one.config.host}
-    units = {name: with_lan(one, units, kinds, rows, site, guests) for name, one in units.items()}
-    return replace(plan, units=units), ()
+    specs = Specs(draft, channels, site)
+    units = {name: specs.unit(name) for name in order}
+    plan = Plan(robot=draft.robot, units=units, kinds=kinds, rows=rows)
+    guests = {name: rights.of_process(plan, one) for name, one in units.items() if one.config.host}
+    return replace(plan, units=specs.with_lan(units, guests)), ()
 
 
 def with_tokens(
@@ -183,8 +170,9 @@ def _runs(row: CapabilityRow, kind: Kind, profile: Profile) -> bool:
     return row.enabled and wanted and row.name not in profile.without
 
 
-def _check_tables(rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[Problem]:
+def _check_tables(draft: Draft) -> Iterator[Problem]:
     """Yield the faults in the rows that kinds read, each once."""
+    rows, kinds = draft.rows, draft.kinds
     readers = {read.row: name for name, kind in kinds.items() for read in kind.reads}
     for row in sorted((registry.tables() | readers.keys()) - {LanUser, TokenRight}, key=lambda row: row.TABLE):
         if row.TABLE in rows.tables:
@@ -194,32 +182,45 @@ def _check_tables(rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[Proble
                 f"'{kinds[name].name}' reads the table '{row.TABLE}', which is not there, or has not the triggers that "
                 f"keep its changes: `lbr db table {kinds[name].name}` prints the SQL that makes both"
             )
-            yield Problem("capability", f"{rows.robot.name}/{name}", "kind", text)
+            yield draft.problem(name, "kind", text)
 
 
-def _check_profile(rows: RobotRows, profile: Profile) -> list[Problem]:
-    names, devices = rows.names("capability"), rows.names("device")
+def _check_profile(draft: Draft) -> Iterator[Problem]:
+    """Yield the names in the profile that no row has."""
+    profile, devices = draft.profile, draft.rows.names("device")
+    for name in sorted({*(profile.only or ()), *profile.without, *profile.processes} - draft.rows.names("capability")):
+        yield Problem("profile", profile.robot, "only/without/processes", f"there is no capability '{name}'")
     there_are = f"(there is: {', '.join(sorted(devices))})"
-    bad_names = sorted({*(profile.only or ()), *profile.without, *profile.processes} - names)
-    bad_devices = [
-        (field, name) for field in ("devices", "calibration") for name in sorted({*getattr(profile, field)} - devices)
-    ]
-    return [
-        *(
-            Problem("profile", profile.robot, "only/without/processes", f"there is no capability '{name}'")
-            for name in bad_names
-        ),
-        *(
-            Problem("profile", profile.robot, field, f"there is no device row '{name}' {there_are}")
-            for field, name in bad_devices
-        ),
-    ]
+    for field in ("devices", "calibration"):
+        for name in sorted({*getattr(profile, field)} - devices):
+            yield Problem("profile", profile.robot, field, f"there is no device row '{name}' {there_are}")
 
 
-def _after_the_world(chosen: list[CapabilityRow], kinds: Mapping[str, Kind]) -> list[CapabilityRow]:
-    """Make every driver depend on the simulation that emulates its device, where one exists."""
+CHECKS = (
+    check_channels,
+    check_verbs,
+    words.problems,
+    _check_tables,
+    check_devices,
+    check_device_settings,
+    _check_profile,
+    placement.problems,
+    sharing.problems,
+)
+"""The conditions for a plan on any machine."""
+
+
+def _placed(chosen: list[CapabilityRow], kinds: Mapping[str, Kind], profile: Profile) -> tuple[CapabilityRow, ...]:
+    """Return rows with their process by the profile; every driver needs the simulation that emulates its device."""
     worlds = tuple(row.name for row in chosen if kinds[row.name].family == "simulation")
-    return [replace(row, needs=(*row.needs, *worlds)) if kinds[row.name].device else row for row in chosen]
+    return tuple(
+        replace(
+            row,
+            process=profile.processes.get(row.name, row.process),
+            needs=(*row.needs, *worlds) if kinds[row.name].device else row.needs,
+        )
+        for row in chosen
+    )
 
 
 def _order(chosen: Iterable[CapabilityRow]) -> list[str]:

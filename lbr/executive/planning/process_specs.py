@@ -16,11 +16,11 @@ from lbr.capability.config import DeviceConfig, InputWire, OutputWire, ProcessCo
 from lbr.capability.kind import Kind
 from lbr.capability.kind import Rows as Read
 from lbr.capability.program import ProgramSettings
-from lbr.database.rows import CapabilityRow, ChannelRow, RobotRows
+from lbr.database.rows import ChannelRow
 from lbr.executive.planning import sharing
 from lbr.executive.planning.credentials import token_secret
 from lbr.executive.planning.devices import device_address
-from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.draft import Draft
 from lbr.executive.planning.run_identity import RunIdentity
 from lbr.executive.planning.sharing import LAN
 from lbr.executive.planning.wiring import EXECUTIVE
@@ -61,112 +61,198 @@ class ProcessSpec(Struct, frozen=True, kw_only=True):
         return self.family == "driver" and self.program is None
 
 
-def unit(
-    row: CapabilityRow,
-    kinds: Mapping[str, Kind],
-    settings: Struct,
-    rows: RobotRows,
-    channels: list[ChannelRow],
-    profile: Profile,
-    site: RunIdentity,
-    running: set[str],
-) -> ProcessSpec:
-    """Return the process of a capability row, wired by `channels` to the capabilities that run."""
-    kind = kinds[row.name]
-    robot, host = rows.robot.name, profile.host_of(row.name)
-    process = "" if host else row.process
-    devices = tuple(
-        DeviceConfig(
-            name=d.name,
-            type=d.type,
-            address=device_address(d, kinds.values(), profile, site, robot),
-            settings=d.settings,
+class Specs:
+    """Makes the specs of the processes of a draft, which `channels` wire to one another."""
+
+    def __init__(self, draft: Draft, channels: Iterable[ChannelRow], site: RunIdentity) -> None:
+        self._draft = draft
+        self._channels = tuple(channels)
+        self._site = site
+        self._rows = {row.name: row for row in draft.chosen}
+
+    def unit(self, name: str) -> ProcessSpec:
+        """Return the process of a chosen capability."""
+        row, kind, settings = self._rows[name], self._draft.kinds[name], self._draft.settings[name]
+        robot, profile, site = self._draft.robot, self._draft.profile, self._site
+        host = profile.host_of(name)
+        process = "" if host else row.process
+        device = getattr(settings, "device", "") if kind.device else ""
+        program = settings if isinstance(settings, ProgramSettings) else None
+        config = ProcessConfig(
+            robot=robot,
+            name=name,
+            kind=row.kind,
+            settings=_compact(row.settings),
+            simulated=profile.simulate,
+            endpoints=() if host else site.endpoints,
+            credentials=self._guest(host, name) if host else site.credentials(sharing.user(name, process)),
+            home="" if host else site.home,
+            host=host,
+            source="" if host else registry.source(row.kind),
+            process=process,
+            device=device,
+            devices=self._devices(None if kind.family == "simulation" else device),
+            wiring=self._wiring(name),
+            outputs={output: self._outputs(name, output) for output in (program or kind).outputs},
+            requests=self._requests(name),
+            rows={read.row.TABLE: self._read(read, settings) for read in kind.reads},
+            release_key=site.seal(keys.estop_release(robot, name)),
         )
-        for d in rows.devices
-        if kind.family == "simulation" or (kind.device and d.name == getattr(settings, "device", None))
-    )
-    device = getattr(settings, "device", "") if kind.device else ""
-    ports = settings if isinstance(settings, ProgramSettings) else kind
-    config = ProcessConfig(
-        robot=robot,
-        name=row.name,
-        kind=row.kind,
-        settings=_compact(row.settings),
-        simulated=profile.simulate,
-        endpoints=() if host else site.endpoints,
-        credentials=_guest(host, row.name, rows, site) if host else site.credentials(sharing.user(row.name, process)),
-        home="" if host else site.home,
-        host=host,
-        source="" if host else registry.source(row.kind),
-        process=process,
-        device=device,
-        devices=devices,
-        wiring=_wiring(row.name, kinds, channels, site, robot),
-        outputs={name: _outputs(row.name, name, kinds, channels, site, robot) for name in ports.outputs},
-        requests=_requests(row.name, kinds, channels, robot),
-        rows={read.row.TABLE: _read(read, settings, rows, site, profile) for read in kind.reads},
-        release_key=site.seal(keys.estop_release(robot, row.name)),
-    )
-    return ProcessSpec(
-        name=row.name,
-        kind=row.kind,
-        family=kind.family,
-        moves=kind.moves,
-        serves=kind.rights.serves,
-        serves_people=kind.rights.people and not host,
-        records=kind.rights.records and not host,
-        restart=row.restart,
-        needs=tuple(need for need in row.needs if need in running),
-        config=config,
-        fingerprint=registry.fingerprint(row.kind, Path(site.home)),
-        program=settings if isinstance(settings, ProgramSettings) else None,
-    )
+        return ProcessSpec(
+            name=name,
+            kind=row.kind,
+            family=kind.family,
+            moves=kind.moves,
+            serves=kind.rights.serves,
+            serves_people=kind.rights.people and not host,
+            records=kind.rights.records and not host,
+            restart=row.restart,
+            needs=tuple(need for need in row.needs if need in self._rows),
+            config=config,
+            fingerprint=registry.fingerprint(row.kind, Path(site.home)),
+            program=program,
+        )
 
+    def with_lan(self, units: Mapping[str, ProcessSpec], rights: Mapping[str, Rights]) -> dict[str, ProcessSpec]:
+        """Return the units; the door to other machines receives its users and their rights.
 
-def with_lan(
-    unit: ProcessSpec,
-    units: Mapping[str, ProcessSpec],
-    kinds: Mapping[str, Kind],
-    rows: RobotRows,
-    site: RunIdentity,
-    rights: Mapping[str, Rights],
-) -> ProcessSpec:
-    """Return the unit; the door to other machines receives its users and their rights.
-
-    `rights` are those of the processes on other machines.
-    """
-    if unit.kind != LAN:
-        return unit
-    robot = rows.robot.name
-    peers = [peer for peer in units.values() if peer.name != unit.name]
-    local_commands, remote_commands = (
-        {
-            keys.port(robot, peer.name, command): kinds[peer.name].role(command)
-            for peer in peers
-            if bool(peer.config.host) is elsewhere
-            for command in commands_of(peer, kinds[peer.name])
+        `rights` are those of the processes on other machines.
+        """
+        return {
+            name: replace(unit, lan=self._lan(unit, units, rights)) if unit.kind == LAN else unit
+            for name, unit in units.items()
         }
-        for elsewhere in (False, True)
-    )
-    folder = Path(site.home) / "credentials"
-    config = LanConfig(
-        listen=tuple(asdict(kinds[unit.name].parse(bytes(unit.config.settings)))["listen"]),
-        link=site.credentials(f"@{unit.name}"),
-        users=_users(rows, site, "bus"),
-        streams=streams_of(robot, peers),
-        subscribed=tuple(sorted({key for _unit, key in _put(peers)})),
-        stops=tuple(key for key, role in (local_commands | remote_commands).items() if role == "view"),
-        commands={key: role for key, role in local_commands.items() if role != "view"},
-        guests=tuple(
-            LanGuest(credentials=peer.config.credentials, rights=rights[peer.name])
-            for peer in peers
-            if peer.config.host and peer.config.credentials is not None
-        ),
-        theirs={key: role for key, role in remote_commands.items() if role != "view"},
-        private_key=str(folder / "bus.key"),
-        certificate=str(folder / "bus.crt"),
-    )
-    return replace(unit, lan=config)
+
+    def _lan(self, unit: ProcessSpec, units: Mapping[str, ProcessSpec], rights: Mapping[str, Rights]) -> LanConfig:
+        draft, site = self._draft, self._site
+        peers = [peer for peer in units.values() if peer.name != unit.name]
+        local_commands, remote_commands = (
+            {
+                keys.port(draft.robot, peer.name, command): draft.kinds[peer.name].role(command)
+                for peer in peers
+                if bool(peer.config.host) is elsewhere
+                for command in commands_of(peer, draft.kinds[peer.name])
+            }
+            for elsewhere in (False, True)
+        )
+        folder = Path(site.home) / "credentials"
+        return LanConfig(
+            listen=tuple(asdict(draft.settings[unit.name])["listen"]),
+            link=site.credentials(f"@{unit.name}"),
+            users=self._users("bus"),
+            streams=streams_of(draft.robot, peers),
+            subscribed=tuple(sorted({key for _unit, key in _put(peers)})),
+            stops=tuple(key for key, role in (local_commands | remote_commands).items() if role == "view"),
+            commands={key: role for key, role in local_commands.items() if role != "view"},
+            guests=tuple(
+                LanGuest(credentials=peer.config.credentials, rights=rights[peer.name])
+                for peer in peers
+                if peer.config.host and peer.config.credentials is not None
+            ),
+            theirs={key: role for key, role in remote_commands.items() if role != "view"},
+            private_key=str(folder / "bus.key"),
+            certificate=str(folder / "bus.crt"),
+        )
+
+    def _devices(self, name: str | None) -> tuple[DeviceConfig, ...]:
+        """Return the device of this name with its address in this run; all for None, as for a simulated world."""
+        draft = self._draft
+        return tuple(
+            DeviceConfig(
+                name=row.name,
+                type=row.type,
+                address=device_address(row, draft.kinds.values(), draft.profile, self._site, draft.robot),
+                settings=row.settings,
+            )
+            for row in draft.rows.devices
+            if name is None or row.name == name
+        )
+
+    def _wiring(self, name: str) -> dict[str, tuple[InputWire, ...]]:
+        wires: dict[str, tuple[InputWire, ...]] = {}
+        for channel in self._channels:
+            (source, output), (target, port) = channel.source_end, channel.target_end
+            kind = self._draft.kinds[source]
+            if target != name or output in kind.requests:
+                continue
+            key = keys.port(self._draft.robot, *(channel.target_end if self._drives(channel) else channel.source_end))
+            wire = InputWire(
+                key=key,
+                source=source,
+                rate_hz=channel.rate_hz,
+                history=channel.history,
+                seal=self._site.seal(key) if kind.family != "program" else "",
+            )
+            wires[port] = (*wires.get(port, ()), wire)
+        return wires
+
+    def _outputs(self, name: str, output: str) -> tuple[OutputWire, ...]:
+        setpoints = [
+            keys.port(self._draft.robot, *channel.target_end)
+            for channel in self._channels
+            if channel.source_end == (name, output) and self._drives(channel)
+        ]
+        if setpoints:
+            return tuple(OutputWire(key=key, seal=self._site.seal(key)) for key in setpoints)
+        own = keys.port(self._draft.robot, name, output)
+        return (OutputWire(key=own, seal="" if self._draft.kinds[name].family == "program" else self._site.seal(own)),)
+
+    def _requests(self, name: str) -> dict[str, dict[str, str]]:
+        robot, kind = self._draft.robot, self._draft.kinds[name]
+        asked: dict[str, dict[str, str]] = {}
+        for channel in self._channels:
+            (source, request), (target, command) = channel.source_end, channel.target_end
+            if source == name and request in kind.requests:
+                own = _of_executive(robot) if target == EXECUTIVE else {}
+                asked.setdefault(request, {})[target] = own.get(command, keys.port(robot, target, command))
+        return asked | ({"pair": {EXECUTIVE: keys.pair(robot)}} if kind.rights.pairs else {})
+
+    def _drives(self, channel: ChannelRow) -> bool:
+        """Return whether a channel feeds a setpoint, which has the key of its driver."""
+        target, port = channel.target_end
+        return port in self._draft.kinds[target].setpoints
+
+    def _read(self, read: Read, settings: Struct) -> RowSet:
+        """Return the rows of a table that a kind reads: users with the secrets of their tokens, rights without."""
+        rows = self._draft.rows
+        if read.row is LanUser:
+            return row_set(read.row, self._users("web"))
+        if read.row is TokenRight:
+            return row_set(
+                read.row, read_by(read, settings, (TokenRight(name=t.name, role=t.role) for t in rows.tokens))
+            )
+        if read.row is CalibrationValue:
+            return row_set(read.row, read_by(read, settings, self._calibration()))
+        return row_set(read.row, read_by(read, settings, rows.of(read.row)))
+
+    def _calibration(self) -> tuple[CalibrationValue, ...]:
+        """Return the calibration in the rows, and the profile's for devices without such rows."""
+        known = self._draft.rows.of(CalibrationValue)
+        measured = {row.device for row in known}
+        return known + tuple(
+            CalibrationValue(device=device, name=name, value=value, measured_at="")
+            for device, found in self._draft.profile.calibration.items()
+            if device not in measured
+            for name, value in found.items()
+        )
+
+    def _users(self, door: Literal["bus", "web"]) -> tuple[LanUser, ...]:
+        """Return the tokens that are valid for a door; it does not even learn about those for the other door."""
+        key = self._site.token_key
+        return tuple(
+            LanUser(name=t.name, role=t.role, hash=t.hash, secret=token_secret(key, t.name, t.created_at))
+            for t in self._draft.rows.tokens
+            if t.lets_in(door)
+        )
+
+    def _guest(self, host: str, name: str) -> Credentials | None:
+        """Return the credentials of a process on another machine, which become invalid with its host's token."""
+        valid = (one for one in self._draft.rows.tokens if one.role == "host" and one.lets_in("bus"))
+        token = next((one for one in valid if one.name == host), None)
+        if token is None:
+            return None
+        password = self._site.seal(f"password of {name} on {host} since {token.created_at}")
+        return Credentials(user=f"{host}.{name}", password=password)  # no token's name has a dot
 
 
 def with_learnt(unit: ProcessSpec, rows: Mapping[str, msgspec.Raw]) -> ProcessSpec:
@@ -199,101 +285,9 @@ def _put(units: Iterable[ProcessSpec]) -> Iterator[tuple[ProcessSpec, str]]:
     return ((unit, wire.key) for unit in units for wires in unit.config.outputs.values() for wire in wires)
 
 
-def _read(read: Read, settings: Struct, rows: RobotRows, site: RunIdentity, profile: Profile) -> RowSet:
-    """Return the rows of a table that a kind reads: users with the secrets of their tokens, rights without."""
-    if read.row is LanUser:
-        return row_set(read.row, _users(rows, site, "web"))
-    if read.row is TokenRight:
-        return row_set(read.row, read_by(read, settings, (TokenRight(name=t.name, role=t.role) for t in rows.tokens)))
-    if read.row is CalibrationValue:
-        return row_set(read.row, read_by(read, settings, _calibration(rows.of(CalibrationValue), profile)))
-    return row_set(read.row, read_by(read, settings, rows.of(read.row)))
-
-
-def _calibration(rows: Iterable[CalibrationValue], profile: Profile) -> tuple[CalibrationValue, ...]:
-    """Return the calibration in the rows, and the profile's for devices without such rows."""
-    known = tuple(rows)
-    measured = {row.device for row in known}
-    return known + tuple(
-        CalibrationValue(device=device, name=name, value=value, measured_at="")
-        for device, found in profile.calibration.items()
-        if device not in measured
-        for name, value in found.items()
-    )
-
-
-def _users(rows: RobotRows, site: RunIdentity, door: Literal["bus", "web"]) -> tuple[LanUser, ...]:
-    """Return the tokens that are valid for a door; it does not even learn about those for the other door."""
-    return tuple(
-        LanUser(name=t.name, role=t.role, hash=t.hash, secret=token_secret(site.token_key, t.name, t.created_at))
-        for t in rows.tokens
-        if t.lets_in(door)
-    )
-
-
-def _guest(host: str, name: str, rows: RobotRows, site: RunIdentity) -> Credentials | None:
-    """Return the credentials of a process on another machine, which become invalid with its host's token."""
-    token = next((one for one in rows.tokens if one.name == host and one.role == "host" and one.lets_in("bus")), None)
-    if token is None:
-        return None
-    password = site.seal(f"password of {name} on {host} since {token.created_at}")
-    return Credentials(user=f"{host}.{name}", password=password)  # no token's name has a dot
-
-
 def _compact(settings: str) -> msgspec.Raw:
     """Return the settings without white space: the document is one line, and white space restarts nothing."""
     return msgspec.Raw(msgspec.json.encode(msgspec.json.decode(settings)))
-
-
-def _is_setpoint(target: tuple[str, str], kinds: Mapping[str, Kind]) -> bool:
-    return target[1] in kinds[target[0]].setpoints
-
-
-def _wiring(
-    name: str, kinds: Mapping[str, Kind], channels: list[ChannelRow], site: RunIdentity, robot: str
-) -> dict[str, tuple[InputWire, ...]]:
-    wires: dict[str, tuple[InputWire, ...]] = {}
-    for channel in channels:
-        (source, output), (target, port) = channel.source_end, channel.target_end
-        if target != name or output in kinds[source].requests:
-            continue
-        addressed = _is_setpoint((target, port), kinds)
-        key = keys.port(robot, target, port) if addressed else keys.port(robot, source, output)
-        wire = InputWire(
-            key=key,
-            source=source,
-            rate_hz=channel.rate_hz,
-            history=channel.history,
-            seal=site.seal(key) if kinds[source].family != "program" else "",
-        )
-        wires[port] = (*wires.get(port, ()), wire)
-    return wires
-
-
-def _outputs(
-    name: str, output: str, kinds: Mapping[str, Kind], channels: list[ChannelRow], site: RunIdentity, robot: str
-) -> tuple[OutputWire, ...]:
-    setpoints = [
-        keys.port(robot, *channel.target_end)
-        for channel in channels
-        if channel.source_end == (name, output) and _is_setpoint(channel.target_end, kinds)
-    ]
-    if setpoints:
-        return tuple(OutputWire(key=key, seal=site.seal(key)) for key in setpoints)
-    own = keys.port(robot, name, output)
-    return (OutputWire(key=own, seal="" if kinds[name].family == "program" else site.seal(own)),)
-
-
-def _requests(
-    name: str, kinds: Mapping[str, Kind], channels: list[ChannelRow], robot: str
-) -> dict[str, dict[str, str]]:
-    asked: dict[str, dict[str, str]] = {}
-    for channel in channels:
-        (source, request), (target, command) = channel.source_end, channel.target_end
-        if source == name and request in kinds[source].requests:
-            own = _of_executive(robot) if target == EXECUTIVE else {}
-            asked.setdefault(request, {})[target] = own.get(command, keys.port(robot, target, command))
-    return asked | ({"pair": {EXECUTIVE: keys.pair(robot)}} if kinds[name].rights.pairs else {})
 
 
 def _of_executive(robot: str) -> dict[str, str]:

@@ -13,15 +13,10 @@ from lbr.messages.system import Role
 
 def of_unit(plan: Plan, unit: ProcessSpec) -> dict[str, Rights]:
     """Return the bus users that a process needs, and their rights: those that its rows wire, and no others."""
-    users = {sharing.user(unit.name, unit.config.process): _of_process(plan, unit)}
+    users = {sharing.user(unit.name, unit.config.process): of_process(plan, unit)}
     if unit.lan is not None:
         users[unit.lan.link.user] = _of_lan(plan, unit)
     return users
-
-
-def of_guest(plan: Plan, unit: ProcessSpec) -> Rights:
-    """Return the rights of a process on another machine at the door there."""
-    return _of_process(plan, unit)
 
 
 def of_local(plan: Plan) -> Rights:
@@ -61,7 +56,8 @@ def _command_keys(plan: Plan) -> Iterable[str]:
     return sorted((declared | running) - set(plan.streams()))
 
 
-def _of_process(plan: Plan, unit: ProcessSpec) -> Rights:
+def of_process(plan: Plan, unit: ProcessSpec) -> Rights:
+    """Return the rights of a process, on another machine at the door there: what its rows wire, and nothing else."""
     config, robot, name = unit.config, plan.robot, unit.name
     outputs = tuple(wire.key for wires in config.outputs.values() for wire in wires)
     inputs = tuple(wire.key for wires in config.wiring.values() for wire in wires)

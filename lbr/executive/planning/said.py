@@ -2,13 +2,12 @@
 
 from collections.abc import Iterator, Mapping
 
-from msgspec import Struct
-
 from lbr.capability.kind import Kind
 from lbr.console.verbs import PythonLine, VerbCall, Vocabulary
 from lbr.database.reading import Problem
 from lbr.database.rows import RobotRows
 from lbr.errors import InputError
+from lbr.executive.planning.draft import Draft
 from lbr.executive.planning.wiring import EXECUTIVE, least_roles
 from lbr.messages.system import RANKS, LineCommand
 
@@ -21,21 +20,20 @@ def vocabulary(rows: RobotRows, kinds: Mapping[str, Kind]) -> Vocabulary:
     return Vocabulary(rows.verbs, rows.external_commands, messages, least_roles(kinds))
 
 
-def problems(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, Struct]) -> Iterator[Problem]:
+def problems(draft: Draft) -> Iterator[Problem]:
     """Yield the faults in the lines that capabilities send."""
-    words = vocabulary(rows, kinds)
-    wired = {row.source_end for row in rows.channels if row.enabled and row.target == LINE}
-    for name, kind in kinds.items():
-        lines: Mapping[str, str] = getattr(settings.get(name), kind.says, {}) if kind.says else {}
+    words = vocabulary(draft.rows, draft.kinds)
+    wired = {row.source_end for row in draft.rows.channels if row.enabled and row.target == LINE}
+    for name, kind in draft.kinds.items():
+        lines: Mapping[str, str] = getattr(draft.settings.get(name), kind.says, {}) if kind.says else {}
         ports = {port for port, message in kind.requests.items() if message is LineCommand}
-        label = f"{rows.robot.name}/{name}"
         if lines and not any((name, port) in wired for port in ports):
             port = min(ports, default="say")
             text = f"{kind.says}: a channel row from {name}.{port} to {LINE} is needed to send them"
-            yield Problem("capability", label, "settings", text)
+            yield draft.problem(name, "settings", text)
         for of, line in lines.items():
             if fault := _fault(words, line):
-                yield Problem("capability", label, "settings", f"{kind.says}.{of}: {fault}")
+                yield draft.problem(name, "settings", f"{kind.says}.{of}: {fault}")
 
 
 def _fault(words: Vocabulary, line: str) -> str:

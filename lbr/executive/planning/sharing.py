@@ -6,16 +6,14 @@ record everything.
 """
 
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping
-from itertools import groupby
+from collections.abc import Iterator
 
 from msgspec import Struct
 
 from lbr.capability.kind import Kind
 from lbr.capability.program import ProgramSettings
 from lbr.database.reading import Problem
-from lbr.database.rows import CapabilityRow, RobotRows
-from lbr.executive.planning.profile import Profile
+from lbr.executive.planning.draft import Draft
 
 LAN = "lan"
 """The kind that is the door to other machines."""
@@ -26,40 +24,30 @@ def user(name: str, process: str) -> str:
     return f"process.{process}" if process else name
 
 
-def problems(
-    rows: RobotRows, chosen: Collection[CapabilityRow], kinds: Mapping[str, Kind], profile: Profile
-) -> list[Problem]:
-    """Return the problems of shared processes among the chosen capabilities; other machines share none."""
-    names = rows.names("capability")
-    steering = frozenset(message for kind in kinds.values() for message in kind.setpoints.values())
-    near = {row.name: _near(kinds[row.name], steering) for row in chosen}
-    sharing = sorted(
-        (row for row in chosen if row.process and not profile.host_of(row.name)), key=lambda row: row.process
-    )
-    return [
-        Problem("capability", f"{rows.robot.name}/{row.name}", "process", text)
-        for process, members in groupby(sharing, key=lambda row: row.process)
-        for row, text in _conflicts(process, list(members), names, kinds, near)
-    ]
+def problems(draft: Draft) -> Iterator[Problem]:
+    """Yield the problems of shared processes among the chosen capabilities; other machines share none."""
+    members: dict[str, list[str]] = {}
+    for row in draft.chosen:
+        if row.process and not draft.profile.host_of(row.name):
+            members.setdefault(row.process, []).append(row.name)
+    for process in sorted(members):
+        for name, text in _conflicts(draft, process, members[process]):
+            yield draft.problem(name, "process", text)
 
 
-def _conflicts(
-    process: str,
-    members: list[CapabilityRow],
-    names: Collection[str],
-    kinds: Mapping[str, Kind],
-    near: Mapping[str, str],
-) -> Iterator[tuple[CapabilityRow, str]]:
-    usual = Counter(near[row.name] for row in members).most_common(1)[0][0]
-    like = next(row for row in members if near[row.name] == usual)
-    for row in members:
-        if process in names:
-            yield row, f"'{process}' is a capability; choose another name for a process that several share"
-        elif why := _why_alone(kinds[row.name]):
-            yield row, f"'{row.name}' has a process of its own: {why}; set it to ''"
-        elif near[row.name] != usual:
-            text = f"'{row.name}' {near[row.name]}, and '{like.name}' {usual}"
-            yield row, f"{text}: they may not share the process '{process}'"
+def _conflicts(draft: Draft, process: str, members: list[str]) -> Iterator[tuple[str, str]]:
+    steering = frozenset(message for kind in draft.kinds.values() for message in kind.setpoints.values())
+    near = {name: _near(draft.kinds[name], steering) for name in members}
+    usual = Counter(near.values()).most_common(1)[0][0]
+    like = next(name for name in members if near[name] == usual)
+    for name in members:
+        if process in draft.rows.names("capability"):
+            yield name, f"'{process}' is a capability; choose another name for a process that several share"
+        elif why := _why_alone(draft.kinds[name]):
+            yield name, f"'{name}' has a process of its own: {why}; set it to ''"
+        elif near[name] != usual:
+            text = f"'{name}' {near[name]}, and '{like}' {usual}"
+            yield name, f"{text}: they may not share the process '{process}'"
 
 
 def _why_alone(kind: Kind) -> str:

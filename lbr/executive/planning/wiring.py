@@ -11,9 +11,9 @@ import msgspec
 from msgspec import Struct
 
 from lbr.capability.kind import Kind
-from lbr.capability.program import ProgramSettings
 from lbr.database.reading import Problem
 from lbr.database.rows import ChannelRow, RobotRows, VerbRow
+from lbr.executive.planning.draft import ANY, Draft
 from lbr.messages.faces import EditCommand
 from lbr.messages.system import EstopResetCommand, LineCommand, Role
 
@@ -53,50 +53,41 @@ def least_roles(kinds: Mapping[str, Kind]) -> dict[str, Role]:
 
 
 _FIELD = re.compile(r"\{([a-z_]+)(?:\.\.\.)?\}")
-ANY = Struct
-"""The type of a program's port, which only the program knows."""
 
 
-def check_channels(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, Struct]) -> list[Problem]:
-    """Return the faults in the channel rows."""
-    problems: list[Problem] = []
+def check_channels(draft: Draft) -> Iterator[Problem]:
+    """Yield the faults in the channel rows."""
     feeders: dict[str, str] = {}
-    for row in rows.channels:
+    for row in draft.rows.channels:
+        label = f"{draft.robot}/{row.source}/{row.target}"
+        yield from _check_channel(draft, row, label, frozenset())
         target, port = row.target_end
-        problems += _check_channel(row, f"{rows.robot.name}/{row.source}/{row.target}", kinds, settings, frozenset())
-        if row.enabled and target in kinds and port in kinds[target].setpoints:
+        if row.enabled and target in draft.kinds and port in draft.kinds[target].setpoints:
             if row.target in feeders:
                 text = f"'{feeders[row.target]}' feeds it already, and a setpoint has one writer"
-                problems.append(Problem("channel", f"{rows.robot.name}/{row.source}/{row.target}", "target", text))
+                yield Problem("channel", label, "target", text)
             feeders[row.target] = row.source
-    for one in rows.faulty:
+    for one in draft.rows.faulty:
         if one.table == "channel":
-            problems += _check_channel(one.row, one.label, kinds, settings, one.columns)
-    return problems
+            yield from _check_channel(draft, one.row, one.label, one.columns)
 
 
-def _check_channel(
-    row: ChannelRow, label: str, kinds: Mapping[str, Kind], settings: Mapping[str, Struct], bad: AbstractSet[str]
-) -> list[Problem]:
-    """Return the faults in the ends of a channel, except in columns that are already bad."""
+def _check_channel(draft: Draft, row: ChannelRow, label: str, bad: AbstractSet[str]) -> Iterator[Problem]:
+    """Yield the faults in the ends of a channel, except in columns that are already bad."""
     source, target = row.source_end, row.target_end
-    from_known = "source" not in bad and source[0] in kinds
-    to_known = "target" not in bad and target[0] in {EXECUTIVE, *kinds}
-    sent = _ports(source[0], kinds, settings, "outputs", "requests") if from_known else {}
-    asks = source[1] in _ports(source[0], kinds, settings, "requests") if from_known else None
-    accepted = _accepted_ports(target[0], kinds, settings, asks) if to_known else {}
-    problems = []
+    from_known = "source" not in bad and source[0] in draft.kinds
+    to_known = "target" not in bad and target[0] in {EXECUTIVE, *draft.kinds}
+    sent = draft.ports(source[0], "outputs", "requests") if from_known else {}
+    asks = source[1] in draft.ports(source[0], "requests") if from_known else None
+    accepted = _accepted_ports(draft, target[0], asks) if to_known else {}
     if from_known and source[1] not in sent:
-        problems.append(Problem("channel", label, "source", _no_port(source, "output", sent)))
+        yield Problem("channel", label, "source", _no_port(source, "output", sent))
     if to_known and target[1] not in accepted:
-        problems.append(Problem("channel", label, "target", _no_port(target, "command" if asks else "input", accepted)))
-    if problems or not (from_known and to_known):
-        return problems
-    sends, takes = sent[source[1]], accepted[target[1]]
-    if not _same(sends, takes):
+        yield Problem("channel", label, "target", _no_port(target, "command" if asks else "input", accepted))
+    sends, takes = sent.get(source[1]), accepted.get(target[1])
+    if sends is not None and takes is not None and not _same(sends, takes):
         names_of = f"{sends.__name__}, and {row.target} takes {takes.__name__}"
-        problems.append(Problem("channel", label, "target", f"{row.source} sends {names_of}"))
-    return problems
+        yield Problem("channel", label, "target", f"{row.source} sends {names_of}")
 
 
 def by_themselves(names: Iterable[str], rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[ChannelRow]:
@@ -124,24 +115,12 @@ def _same_type(kind: Kind, port: str, peer: Kind, to: str, *, asks: bool) -> str
     return name if of in {"", peer.name} and found is wanted else ""
 
 
-def _accepted_ports(
-    name: str, kinds: Mapping[str, Kind], settings: Mapping[str, Struct], asks: bool | None
-) -> dict[str, type[Struct]]:
+def _accepted_ports(draft: Draft, name: str, asks: bool | None) -> dict[str, type[Struct]]:
     """Return the ports that accept requests or streams; both, if it is unknown which one the channel carries."""
     if name == EXECUTIVE:
         return {} if asks is False else dict(EXECUTIVE_COMMANDS)
     groups = ("commands",) * (asks is not False) + ("inputs", "setpoints") * (asks is not True)
-    return _ports(name, kinds, settings, *groups)
-
-
-def _ports(
-    name: str, kinds: Mapping[str, Kind], settings: Mapping[str, Struct], *which: str
-) -> dict[str, type[Struct]]:
-    own = settings.get(name)
-    if isinstance(own, ProgramSettings):
-        return {port: ANY for group in which for port in getattr(own, group, ())}
-    groups = ("messages" if group == "commands" else group for group in which)
-    return {port: message for group in groups for port, message in getattr(kinds[name], group).items()}
+    return draft.ports(name, *groups)
 
 
 def _same(sends: type[Struct], takes: type[Struct]) -> bool:
@@ -155,27 +134,26 @@ def _no_port(end: tuple[str, str], what: str, there: Iterable[str]) -> str:
     return f"'{end[0]}' has no {what} '{end[1]}'; it has {', '.join(sorted(there)) or 'none'}"
 
 
-def check_verbs(rows: RobotRows, kinds: Mapping[str, Kind], settings: Mapping[str, Struct]) -> list[Problem]:
-    """Return the faults in the verb rows."""
-    all_rows = [(row, f"{rows.robot.name}/{row.word}/{row.pattern}", frozenset[str]()) for row in rows.verbs]
-    all_rows += [(one.row, one.label, one.columns) for one in rows.faulty if one.table == "verb"]
-    problems = (problem for row, label, bad in all_rows for problem in _check_verb(row, label, kinds, settings, bad))
-    return list(problems)
+def check_verbs(draft: Draft) -> Iterator[Problem]:
+    """Yield the faults in the verb rows."""
+    for row in draft.rows.verbs:
+        yield from _check_verb(draft, row, f"{draft.robot}/{row.word}/{row.pattern}", frozenset())
+    for one in draft.rows.faulty:
+        if one.table == "verb":
+            yield from _check_verb(draft, one.row, one.label, one.columns)
 
 
-def _check_verb(
-    row: VerbRow, label: str, kinds: Mapping[str, Kind], settings: Mapping[str, Struct], bad: AbstractSet[str]
-) -> list[Problem]:
+def _check_verb(draft: Draft, row: VerbRow, label: str, bad: AbstractSet[str]) -> list[Problem]:
     """Return the faults in its target, its pattern and its payload, except in columns that are already bad."""
     owner, command = row.target_end
-    if "target" in bad or owner not in {EXECUTIVE, *kinds}:
+    if "target" in bad or owner not in {EXECUTIVE, *draft.kinds}:
         return []
     if owner == EXECUTIVE and command not in EXECUTIVE_VERBS:
         there = ", ".join(f"executive.{name}" for name in sorted(EXECUTIVE_VERBS))
         return [Problem("verb", label, "target", f"the executive has no '{command}'; it has {there}")]
     if owner == EXECUTIVE:
         return _check_fields(row, label, bad, EXECUTIVE_VERBS[command])
-    commands = _ports(owner, kinds, settings, "commands")
+    commands = draft.ports(owner, "commands")
     if command not in commands:
         return [Problem("verb", label, "target", _no_port((owner, command), "command", commands))]
     if commands[command] is ANY:

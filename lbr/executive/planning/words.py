@@ -1,6 +1,6 @@
 """The words of a robot: its own rows, and the words of its capabilities' kinds."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 
 from msgspec import structs
 
@@ -9,6 +9,7 @@ from lbr.capability.word import Word
 from lbr.database import builtin, patterns
 from lbr.database.reading import Problem
 from lbr.database.rows import CapabilityRow, RobotRows, VerbRow
+from lbr.executive.planning.draft import Draft
 from lbr.executive.planning.wiring import EXECUTIVE, EXECUTIVE_VERBS
 
 OF_EVERY_ROBOT = (
@@ -47,9 +48,9 @@ def as_row(capability: str, word: Word) -> VerbRow:
     )
 
 
-def faults(kinds: Iterable[Kind]) -> Iterator[Problem]:
+def problems(draft: Draft) -> Iterator[Problem]:
     """Yield the faults in the words of kinds, which are as unreliable as rows."""
-    for kind in {kind.name: kind for kind in kinds}.values():
+    for kind in {kind.name: kind for kind in draft.kinds.values()}.values():
         for word in kind.words:
             if fault := _fault(kind, word):
                 yield Problem("kind", kind.name, "words", f"'{word.pattern}': {fault}")
