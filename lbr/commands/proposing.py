@@ -7,7 +7,7 @@ from msgspec import Struct
 
 from lbr.capability.kind import Kind
 from lbr.commands.recognised import Attached, node_of
-from lbr.database.rows import ChannelRow, DeviceRow, RobotRows
+from lbr.database.rows import CapabilityRow, ChannelRow, DeviceRow, RobotRows
 from lbr.messages.manage import RowChange
 from lbr.names import first_free
 
@@ -40,7 +40,7 @@ def propose(
         for row in rows.devices
         if node_of(row) not in present and row.address.partition(":")[0] not in {"sim", "alsa"}
     ]
-    names = set(rows.names("device")), set(rows.names("capability"))
+    names = set(rows.names(DeviceRow)), set(rows.names(CapabilityRow))
     proposals = []
     for end in known:
         if not end.type or end.row or end.held:

@@ -1,6 +1,7 @@
 """The rows for the rest of the program: checked, frozen, independent of the database."""
 
 from collections.abc import Hashable, Iterator
+from collections.abc import Set as AbstractSet
 from datetime import datetime
 from typing import Annotated, Any, Literal, TypeVar
 
@@ -367,10 +368,23 @@ class RobotRows(Struct, frozen=True, kw_only=True):
         """Return the good rows of a table."""
         return self.tables.good(row)
 
-    def names(self, table: Literal["capability", "device"]) -> frozenset[str]:
+    def names(self, row: type[CapabilityRow | DeviceRow]) -> frozenset[str]:
         """Return the names of a table's rows, including those that are left out."""
-        rows = self.capabilities if table == "capability" else self.devices
-        return frozenset(row.name for row in rows) | {one.row.name for one in self.faulty if one.table == table}
+        return frozenset(read.name for read, _, _ in self.every(row))
+
+    def every(self, row: type[R]) -> Iterator[tuple[R, str, AbstractSet[str]]]:
+        """Yield each row of a table with its label and its bad columns, also those that are left out."""
+        good: dict[type[Row], tuple[Any, ...]] = {
+            CapabilityRow: self.capabilities,
+            ChannelRow: self.channels,
+            DeviceRow: self.devices,
+            VerbRow: self.verbs,
+        }
+        for read in good[row]:
+            yield read, "/".join((self.robot.name, *read.key)), frozenset()
+        for one in self.faulty:
+            if one.table == row.TABLE:
+                yield one.row, one.label, one.columns
 
 
 def split_end(end: str) -> tuple[str, str]:

@@ -18,12 +18,7 @@ from lbr.executive.planning.run_identity import RunIdentity
 
 def check_device_settings(draft: Draft) -> Iterator[Problem]:
     """Yield the faults in the settings of device rows, for kinds that read them and, in a simulation, for twins."""
-    devices = [(device, f"{draft.robot}/{device.name}") for device in draft.rows.devices]
-    devices += [
-        (faulty.row, faulty.label)
-        for faulty in draft.rows.faulty
-        if faulty.table == "device" and not faulty.columns & {"type", "settings"}
-    ]
+    devices = [(row, label) for row, label, bad in draft.rows.every(DeviceRow) if not bad & {"type", "settings"}]
     worlds = {id(kind): kind for kind in draft.kinds.values() if kind.rights.emulates}.values()
     for device, label in devices:
         for kind in worlds:

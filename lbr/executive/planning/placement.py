@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator
 
 from lbr.database.reading import Problem
+from lbr.database.rows import CapabilityRow
 from lbr.executive.planning.draft import Draft
 from lbr.executive.planning.sharing import LAN
 from lbr.executive.planning.wiring import EXECUTIVE
@@ -18,7 +19,7 @@ def problems(draft: Draft) -> Iterator[Problem]:
 
 
 def _misplaced(draft: Draft) -> Iterator[tuple[str, str]]:
-    known, profile = draft.rows.names("capability"), draft.profile
+    known, profile = draft.rows.names(CapabilityRow), draft.profile
     placed: dict[str, str] = {}
     for host, names in profile.hosts.items():
         if _NAME.fullmatch(host) is None:

@@ -16,7 +16,7 @@ from lbr.capability.program import ProgramSettings
 from lbr.capability.settings import faults
 from lbr.database.columns import json_strictly
 from lbr.database.reading import Problem
-from lbr.database.rows import CapabilityRow, RobotRows, TokenRow
+from lbr.database.rows import CapabilityRow, DeviceRow, RobotRows, TokenRow
 from lbr.executive.planning import machine, placement, rights, said, sharing, words
 from lbr.executive.planning.devices import check_device_settings, check_devices
 from lbr.executive.planning.draft import Draft
@@ -53,7 +53,7 @@ def make(
     kinds: dict[str, Kind] = {}
     settings: dict[str, Struct] = {}
     there = {(row.name, row.kind) for row in before.capabilities} if before is not None else set()
-    for row, label, bad in _named(rows):
+    for row, label, bad in rows.every(CapabilityRow):
         may_lack = before is None or (row.name, row.kind) in there
         kind, parsed, found = _understand(row, label, known, bad, may_lack=may_lack)
         problems += found
@@ -154,15 +154,6 @@ def _more(row: CapabilityRow, kind: Kind, label: str) -> list[Problem]:
     return [Problem("capability", label, "settings", f"{fault} (kind '{row.kind}')") for fault in found]
 
 
-def _named(rows: RobotRows) -> Iterator[tuple[CapabilityRow, str, AbstractSet[str]]]:
-    """Yield every capability with its label and its bad columns, including those that are left out."""
-    for row in rows.capabilities:
-        yield row, f"{rows.robot.name}/{row.name}", frozenset()
-    for one in rows.faulty:
-        if one.table == "capability":
-            yield one.row, one.label, one.columns
-
-
 def _runs(row: CapabilityRow, kind: Kind, profile: Profile) -> bool:
     if kind.family == "simulation" and not profile.simulate:
         return False
@@ -187,8 +178,8 @@ def _check_tables(draft: Draft) -> Iterator[Problem]:
 
 def _check_profile(draft: Draft) -> Iterator[Problem]:
     """Yield the names in the profile that no row has."""
-    profile, devices = draft.profile, draft.rows.names("device")
-    for name in sorted({*(profile.only or ()), *profile.without, *profile.processes} - draft.rows.names("capability")):
+    profile, devices = draft.profile, draft.rows.names(DeviceRow)
+    for name in sorted({*(profile.only or ()), *profile.without, *profile.processes} - draft.rows.names(CapabilityRow)):
         yield Problem("profile", profile.robot, "only/without/processes", f"there is no capability '{name}'")
     there_are = f"(there is: {', '.join(sorted(devices))})"
     for field in ("devices", "calibration"):

@@ -13,6 +13,7 @@ from msgspec import Struct
 from lbr.capability.kind import Kind
 from lbr.capability.program import ProgramSettings
 from lbr.database.reading import Problem
+from lbr.database.rows import CapabilityRow
 from lbr.executive.planning.draft import Draft
 
 LAN = "lan"
@@ -41,7 +42,7 @@ def _conflicts(draft: Draft, process: str, members: list[str]) -> Iterator[tuple
     usual = Counter(near.values()).most_common(1)[0][0]
     like = next(name for name in members if near[name] == usual)
     for name in members:
-        if process in draft.rows.names("capability"):
+        if process in draft.rows.names(CapabilityRow):
             yield name, f"'{process}' is a capability; choose another name for a process that several share"
         elif why := _why_alone(draft.kinds[name]):
             yield name, f"'{name}' has a process of its own: {why}; set it to ''"

@@ -58,18 +58,14 @@ _FIELD = re.compile(r"\{([a-z_]+)(?:\.\.\.)?\}")
 def check_channels(draft: Draft) -> Iterator[Problem]:
     """Yield the faults in the channel rows."""
     feeders: dict[str, str] = {}
-    for row in draft.rows.channels:
-        label = f"{draft.robot}/{row.source}/{row.target}"
-        yield from _check_channel(draft, row, label, frozenset())
+    for row, label, bad in draft.rows.every(ChannelRow):
+        yield from _check_channel(draft, row, label, bad)
         target, port = row.target_end
-        if row.enabled and target in draft.kinds and port in draft.kinds[target].setpoints:
+        if not bad and row.enabled and target in draft.kinds and port in draft.kinds[target].setpoints:
             if row.target in feeders:
                 text = f"'{feeders[row.target]}' feeds it already, and a setpoint has one writer"
                 yield Problem("channel", label, "target", text)
             feeders[row.target] = row.source
-    for one in draft.rows.faulty:
-        if one.table == "channel":
-            yield from _check_channel(draft, one.row, one.label, one.columns)
 
 
 def _check_channel(draft: Draft, row: ChannelRow, label: str, bad: AbstractSet[str]) -> Iterator[Problem]:
@@ -136,11 +132,8 @@ def _no_port(end: tuple[str, str], what: str, there: Iterable[str]) -> str:
 
 def check_verbs(draft: Draft) -> Iterator[Problem]:
     """Yield the faults in the verb rows."""
-    for row in draft.rows.verbs:
-        yield from _check_verb(draft, row, f"{draft.robot}/{row.word}/{row.pattern}", frozenset())
-    for one in draft.rows.faulty:
-        if one.table == "verb":
-            yield from _check_verb(draft, one.row, one.label, one.columns)
+    for row, label, bad in draft.rows.every(VerbRow):
+        yield from _check_verb(draft, row, label, bad)
 
 
 def _check_verb(draft: Draft, row: VerbRow, label: str, bad: AbstractSet[str]) -> list[Problem]:
