@@ -2,7 +2,7 @@
 
 import re
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing
 
 from lbr.messages.rows import short
@@ -44,13 +44,27 @@ def words(error: str, statement: str = "") -> str:
 
 
 def refused(script: str) -> str:
-    """Return the statement of a script that SQLite refuses, with its line and the reason; empty if it refuses none."""
+    """Return the line at which SQLite refuses a script for a new database, with the reason; empty if at none."""
     with closing(sqlite3.connect(":memory:", isolation_level=None)) as connection:
-        for line, statement in statements(script):
-            try:
-                connection.execute(statement)
-            except sqlite3.Error as err:
-                return f"line {line}: {words(str(err), statement)}"
+        return run(connection, script)
+
+
+def run(
+    connection: sqlite3.Connection, script: str, allowed: str = "", begin: Callable[[], None] = lambda: None
+) -> str:
+    """Run a script up to the statement that SQLite refuses; return its line and the reason, empty if it refuses none.
+
+    `allowed` is the reason for a statement that the connection's authorizer denies; `begin` is called before each.
+    """
+    for line, statement in statements(script):
+        begin()
+        try:
+            connection.execute(statement)
+        except sqlite3.Error as err:
+            if allowed and any(text in str(err) for text in ("not authorized", "prohibited")):
+                return f"line {line}: {allowed}"
+            why = "it takes too long" if "interrupted" in str(err) else words(str(err), statement)
+            return f"line {line}: {why}"
     return ""
 
 

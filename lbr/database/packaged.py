@@ -67,10 +67,8 @@ def rows_of(installed: Found, judge: Judge = lambda _rows: ()) -> RawTables:
     with closing(sqlite3.connect(":memory:", factory=Connection, isolation_level=None)) as connection:
         connection.executescript(robot_db_sql().read_text(encoding="utf-8"))
         before, schema = read_tables(connection)
-        try:
-            _run(connection, schema, path)
-        except ValueError as err:
-            raise RowError((f"{label}, {path.name}, {err}",)) from err
+        if fault := _run(connection, schema, path):
+            raise RowError((f"{label}, {path.name}, {fault}",))
         after, _ = read_tables(connection)
     made = changes.between(before, after, schema)
     faults = tuple(_faults(installed.name, made))
@@ -85,8 +83,8 @@ def rows_of(installed: Found, judge: Judge = lambda _rows: ()) -> RawTables:
     return added
 
 
-def _run(connection: Connection, schema: Schema, path: Path) -> None:
-    """Run a file of SQL that only inserts rows; raise ValueError with the line of any other statement."""
+def _run(connection: Connection, schema: Schema, path: Path) -> str:
+    """Run a file of SQL that only inserts rows; return its fault, such as the line of any other statement."""
 
     def allow(action: int, first: str | None, _second: str | None, _where: str | None, trigger: str | None) -> int:
         mine = action == sqlite3.SQLITE_INSERT and (trigger is not None or first in schema)
@@ -96,18 +94,11 @@ def _run(connection: Connection, schema: Schema, path: Path) -> None:
     try:
         script = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as err:
-        raise ValueError(f"which cannot be read as text: {err}") from err
+        return f"which cannot be read as text: {err}"
     connection.set_authorizer(allow)
-    try:
-        for line, statement in constraints.statements(script):
-            try:
-                connection.execute(statement)
-            except sqlite3.Error as err:
-                denied = "it may insert rows of its robot, and do nothing else"
-                why = denied if "not authorized" in str(err) else constraints.words(str(err), statement)
-                raise ValueError(f"line {line}: {why}") from err
-    finally:
-        connection.set_authorizer(None)
+    fault = constraints.run(connection, script, "it may insert rows of its robot, and do nothing else")
+    connection.set_authorizer(None)
+    return fault
 
 
 def _faults(name: str, made: Iterable[Change]) -> Iterator[str]:

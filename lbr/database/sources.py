@@ -89,18 +89,16 @@ def _run(source: Path, script: str, database: Path) -> RawTables:
             switch = action == sqlite3.SQLITE_PRAGMA and first in {"foreign_keys", "busy_timeout", "defer_foreign_keys"}
             return sqlite3.SQLITE_OK if mine or switch or action in READING else sqlite3.SQLITE_DENY
 
-        last = time.thread_time() + COMPUTED_S
-        until = last
+        last = until = time.thread_time() + COMPUTED_S
+
+        def begin() -> None:
+            nonlocal until
+            until = min(last, time.thread_time() + STATEMENT_S)
+
         copy.set_progress_handler(lambda: time.thread_time() > until, LOOK_EVERY)
         copy.set_authorizer(allow)
-        for line, statement in constraints.statements(script):
-            until = min(last, time.thread_time() + STATEMENT_S)
-            try:
-                copy.execute(statement)
-            except sqlite3.Error as err:
-                denied = "not authorized" in str(err) or "prohibited" in str(err)
-                slow = "it takes too long" if "interrupted" in str(err) else constraints.words(str(err), statement)
-                raise RowError((f"{source}, line {line}: {_SCRIPT if denied else slow}",)) from err
+        if fault := constraints.run(copy, script, _SCRIPT, begin):
+            raise RowError((f"{source}, {fault}",))
         copy.set_authorizer(None)
         if copy.in_transaction:
             raise RowError((f"{source}: its transaction has no end: add COMMIT;, or is it cut off?",))

@@ -31,11 +31,11 @@ from lbr.database.given_files import sql_text
 from lbr.database.migrate import bring_up_to_date
 from lbr.database.packaged import Brought, Judge
 from lbr.database.reading import RawTables
-from lbr.database.rows import AuditRow, GoodFor, RevisionRow, RobotRows, TokenRow
+from lbr.database.rows import AuditRow, RevisionRow, RobotRows, TokenRow
 from lbr.database.seen import Seen
 from lbr.database.tables import Schema, read_tables
 from lbr.errors import InputError, RowError
-from lbr.messages.system import Event, TokenRole
+from lbr.messages.system import Event
 from lbr.resources import robot_db_sql
 
 PATIENCE_S = 0.1
@@ -284,26 +284,8 @@ class Database:
         with self.reading() as connection:
             return tokens.tokens(connection)
 
-    def add_token(
-        self,
-        name: str,
-        role: TokenRole,
-        hash: str,  # noqa: A002
-        expires_at: str | None = None,
-        created_at: str | None = None,
-        good_for: GoodFor = "both",
-        paired_from: str | None = None,
-    ) -> None:
+    def add_token(self, row: TokenRow) -> None:
         """Store a token's hash, durably; raise InputError if a token of this name is not revoked."""
-        row = TokenRow(
-            name=name,
-            role=role,
-            hash=hash,
-            created_at=created_at or self._now(),
-            expires_at=expires_at,
-            good_for=good_for,
-            paired_from=paired_from,
-        )
         with self.writing(durable=True) as connection:
             tokens.add(connection, row)
 

@@ -18,7 +18,7 @@ from lbr.database.restore import restore
 from lbr.database.rows import AuditRow
 from lbr.database.store import Database
 from lbr.errors import InputError, LbrError, RowError
-from tests.support import programs
+from tests.support import databases, programs
 
 HASH = "h" * 64
 
@@ -76,7 +76,7 @@ def test_the_same_rows_are_copied_once(path):
         database.set_estop("lbr", engaged=True, reason="x")
     assert copies.keep(path, digest(path)) is None
     with Database.open(path) as database:
-        database.add_token("phone", "view", HASH)
+        database.add_token(databases.token("phone", "view", HASH))
     assert copies.keep(path, digest(path)) is not None
 
 
@@ -123,7 +123,7 @@ def test_a_damaged_database_names_the_way_out_and_restoring_keeps_it(damaged, wo
 def test_who_restores_is_told_which_tokens_are_valid_in_it(damaged, capsys, wording):
     with Database.open(damaged.with_name("robot.db.good-1")) as database:
         for name in ("phone", "gone"):
-            database.add_token(name, "operate", tokens.hashed("secret"), None, "2026-01-01T00:00:00.000Z")
+            database.add_token(databases.token(name, "operate", tokens.hashed("secret")))
         database.revoke_token("gone")
     assert cli.main(["db", "restore", "--db", str(damaged)]) == 0
     wording(capsys.readouterr().out)
@@ -210,8 +210,8 @@ def test_a_log_of_the_old_database_is_never_read_into_the_restored_one(path):
 
 def test_what_was_revoked_stays_revoked(path):
     with Database.open(path) as database:
-        database.add_token("lost", "operate", HASH)
-        database.add_token("good", "view", "i" * 64)
+        database.add_token(databases.token("lost", "operate", HASH))
+        database.add_token(databases.token("good", "view", "i" * 64))
     copies.keep(path, digest(path))
     with Database.open(path) as database:
         database.revoke_token("lost")

@@ -158,7 +158,7 @@ def test_a_robot_whose_stop_is_latched_is_not_taken_out(database, client, wordin
 
 def test_the_emergency_stop_and_tokens_stay_as_they_are(edited):
     edited.set_estop("lbr", engaged=True, reason="pressed")
-    edited.add_token("phone", "operate", "h" * 64)
+    edited.add_token(databases.token("phone", "operate", "h" * 64))
     edited.revoke_token("phone")
     back(edited, 0)
     assert edited.load("lbr").robot.estop_engaged

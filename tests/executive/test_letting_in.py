@@ -283,8 +283,8 @@ def test_a_name_stays_what_people_know_it_by(said, name):
 def test_a_list_says_from_where_a_device_was_paired(tmp_path):
     databases.fresh(tmp_path / "robot.db")
     with store.Database.open(tmp_path / "robot.db") as database:
-        database.add_token("by-hand", "view", "h" * 64)
-        database.add_token("phone", "operate", "h" * 64, good_for="web", paired_from="192.168.1.7")
+        database.add_token(databases.token("by-hand", "view", "h" * 64))
+        database.add_token(databases.token("phone", "operate", "h" * 64, good_for="web", paired_from="192.168.1.7"))
     told = CliRunner().invoke(command, ["list", "--db", str(tmp_path / "robot.db")]).output.splitlines()
     assert told[1].startswith("phone    operate web  valid    since 20")
     assert told[1].endswith(", paired from 192.168.1.7")

@@ -35,7 +35,7 @@ while True:
 
 OWN = """
 import contextlib, pathlib, sys
-from lbr.database.rows import AuditRow
+from lbr.database.rows import AuditRow, TokenRow
 from lbr.database.store import Database
 from lbr.errors import InputError
 n = int(sys.argv[2])
@@ -44,7 +44,7 @@ with Database.open(pathlib.Path(sys.argv[1])) as database:
         n += 1
         if n % 7 == 0:
             with contextlib.suppress(InputError):  # written before a kill that came before the rest
-                database.add_token(f"t{n}", "view", "h" * 64)
+                database.add_token(TokenRow(name=f"t{n}", role="view", hash="h" * 64, created_at="2026-01-01T00:00:00Z"))
         database.append_events((), (AuditRow(wall_ns=1, kind="count", subject="", source="bench", text=str(n)),))
         database.set_estop("lbr", engaged=bool(n % 2), reason=str(n))
         sys.stdout.write(f"{n}\\n")

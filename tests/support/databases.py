@@ -10,6 +10,8 @@ from typing import Any
 
 from lbr import plugins
 from lbr.database import store
+from lbr.database.rows import TokenRow
+from lbr.messages.system import TokenRole
 
 
 def fresh(path: Path) -> Path:
@@ -43,6 +45,13 @@ def asked(path: Path, statement: str, *values: object) -> list[tuple[Any, ...]]:
 
 
 @cache
+def token(name: str, role: TokenRole, kept: str, expires_at: str | None = None, **more: Any) -> TokenRow:
+    """The row of a token whose hash is `kept`."""
+    return TokenRow(
+        name=name, role=role, hash=kept, expires_at=expires_at, **{"created_at": "2026-01-01T00:00:00.000Z", **more}
+    )
+
+
 def _built() -> bytes:
     with tempfile.TemporaryDirectory(prefix="lbr-") as place:
         path = Path(place) / "robot.db"

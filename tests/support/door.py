@@ -19,7 +19,7 @@ from lbr.bus.tokens import Token
 from lbr.database import store
 from lbr.errors import BusError
 from lbr.executive.planning import credentials
-from tests.support import programs
+from tests.support import databases, programs
 from tests.support.robot import LBR, Robot, free_port, running
 from tests.support.trace import Trace
 from tests.support.waiting import HANG_S, until
@@ -143,7 +143,10 @@ def add_token(home: Path, name: str, role: str, expires_at: str | None = None, g
         secret = credentials.token_secret(credentials.token_key(), name, created_at)
         certificate = credentials.bus_certificate()[1].read_text()
         with store.Database.open(home / "robot.db") as database:
-            database.add_token(name, role, tokens.hashed(secret), expires_at, created_at, good_for)  # type: ignore[arg-type]
+            row = databases.token(
+                name, role, tokens.hashed(secret), expires_at, created_at=created_at, good_for=good_for
+            )  # type: ignore[arg-type]
+            database.add_token(row)
     finally:
         os.environ.pop("LBR_HOME") if before is None else os.environ.update(LBR_HOME=before)
     return Token(name=name, secret=secret, fingerprint=tokens.fingerprint(ssl.PEM_cert_to_DER_cert(certificate)))

@@ -15,7 +15,7 @@ from msgspec import Struct
 
 from lbr import home
 from lbr.bus import certificates, tokens
-from lbr.database.rows import GoodFor
+from lbr.database.rows import GoodFor, TokenRow
 from lbr.database.store import Database, moment_text
 from lbr.errors import InputError
 from lbr.messages.system import TokenRole
@@ -84,9 +84,17 @@ def new_token(
     fingerprint = tokens.fingerprint(certificate_der())
     created_at = moment_text(datetime.now(UTC))
     secret = token_secret(token_key(), tokens.check_name(name), created_at)
-    kept, until = tokens.hashed(secret), moment_text(ends) if ends is not None else None
-    rows.add_token(name, role, kept, until, created_at, good_for, paired_from)
-    return NewToken(token=tokens.Token(name=name, secret=secret, fingerprint=fingerprint), role=role, hash=kept)
+    row = TokenRow(
+        name=name,
+        role=role,
+        hash=tokens.hashed(secret),
+        created_at=created_at,
+        expires_at=moment_text(ends) if ends is not None else None,
+        good_for=good_for,
+        paired_from=paired_from,
+    )
+    rows.add_token(row)
+    return NewToken(token=tokens.Token(name=name, secret=secret, fingerprint=fingerprint), role=role, hash=row.hash)
 
 
 def device_name(said: str, taken: Iterable[str]) -> str:

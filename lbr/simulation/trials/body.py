@@ -8,6 +8,8 @@ from math import inf
 from random import Random
 from typing import Protocol
 
+from msgspec.structs import replace
+
 from lbr.bus import keys
 from lbr.capability import twins
 from lbr.capability.config import ProcessConfig
@@ -224,14 +226,4 @@ def _player(kind: Kind) -> Player | None:
 
 
 def _weaker(drive: ServoDrive, strength: float) -> ServoDrive:
-    if strength >= 1.0:
-        return drive
-    return ServoDrive(
-        goal_rad=drive.goal_rad,
-        speed_rps=drive.speed_rps,
-        torque=drive.torque * strength,
-        margins_rad=drive.margins_rad,
-        slopes_rad=drive.slopes_rad,
-        punch=drive.punch,
-        brake=drive.brake,
-    )
+    return drive if strength >= 1.0 else replace(drive, torque=drive.torque * strength)
