@@ -25,7 +25,7 @@ from lbr.apps.recorder.messages import (
     ThenCommand,
 )
 from lbr.apps.recorder.recording import chunks
-from lbr.apps.recorder.recording.chunks import Channels
+from lbr.apps.recorder.recording.chunks import Channel, Channels
 from lbr.apps.recorder.recording.decoding import read_or_none
 from lbr.apps.recorder.recording.recorded import RecordedRows, RecordedStreams
 from lbr.apps.recorder.recording.shelf import SUFFIX, Shelf
@@ -188,26 +188,25 @@ class Box(Capability[BoxSettings]):
     def close(self) -> None:
         """Write the remaining messages, and finish the files."""
         self._past.close()
-        output, self._box_output = self._box_output, None
-        if output is None or self._inbox is None:
+        if self._inbox is None or self._box_output is None:
             return
         self._clock.look()
-        self._box_output = output
         self._round(self.ctx.clock())
-        self._box_output = None
         self._inbox.close()
-        for one in (self._recording, output):
-            if one is not None:
-                one.disk.close()
-        self._recording = self._inbox = None
+        for output in self._outputs:
+            output.disk.close()
+        self._inbox = self._box_output = self._recording = None
 
     # -- one round -----------------------------------------------------------------------------------------------------
 
+    @property
+    def _outputs(self) -> list[Output]:
+        """Return the file of the box, and that of a recording on purpose."""
+        return [output for output in (self._box_output, self._recording) if output is not None]
+
     def _round(self, now: float) -> None:
-        inbox, output = self._inbox, self._box_output
+        inbox, outputs = self._inbox, self._outputs
         assert inbox is not None
-        assert output is not None
-        outputs = [each for each in (output, self._recording) if each is not None]
         begun = [each.is_due(now) for each in outputs]
         for each, begins in zip(outputs, begun, strict=True):
             if begins:
@@ -219,10 +218,7 @@ class Box(Capability[BoxSettings]):
         for message in inbox.take():
             self._put(outputs, message)
         for writer, text in self._logs.take(self._streams.programs if self._streams is not None else ()):
-            at_ns = self._clock.dated(self._clock.now_ns)
-            number = self._channels.number(LINES)
-            for each in outputs:
-                each.add(number, 0, at_ns, at_ns, line(writer, text, at_ns))
+            self._add_now(LINES, line(writer, text, self._clock.dated(self._clock.now_ns)), outputs)
         schemas = self._channels.schemas
         fresh, self._schemas = schemas[len(self._schemas) :], schemas
         for each, begins in zip(outputs, begun, strict=True):
@@ -240,6 +236,12 @@ class Box(Capability[BoxSettings]):
             if output is self._recording or not message.topic.startswith(TAPED):
                 self._add(output, message)
 
+    def _add_now(self, channel: Channel, data: bytes, outputs: list[Output]) -> None:
+        """Add a message of this moment."""
+        number, at_ns = self._channels.number(channel), self._clock.dated(self._clock.now_ns)
+        for output in outputs:
+            output.add(number, 0, at_ns, at_ns, data)
+
     def _add(self, output: Output, arrival: Arrival) -> None:
         log_ns = self._clock.dated(arrival.mono_ns)
         output.add(arrival.number, arrival.sequence, log_ns, arrival.publish_ns, arrival.data)
@@ -247,8 +249,7 @@ class Box(Capability[BoxSettings]):
     def _repeat(self, output: Output) -> None:
         """Begin a new file with the rows and the newest message of each stream, so that it stands by itself."""
         if self._rows:
-            at_ns = self._clock.dated(self._clock.now_ns)
-            output.add(self._channels.number(ALL_ROWS), 0, at_ns, at_ns, self._rows)
+            self._add_now(ALL_ROWS, self._rows, [output])
         for arrival in (*self._latest.values(), *self._events):
             self._add(output, arrival)
 
@@ -299,10 +300,7 @@ class Box(Capability[BoxSettings]):
         if rows is None or data is None or rows.revision == self._rows_revision:
             return
         self._rows, self._rows_revision = bytes(data), rows.revision
-        at_ns = self._clock.dated(self._clock.now_ns)
-        for one in (self._box_output, self._recording):
-            if one is not None:
-                one.add(self._channels.number(ALL_ROWS), 0, at_ns, at_ns, self._rows)
+        self._add_now(ALL_ROWS, self._rows, self._outputs)
 
     def _take_streams(self, data: Raw | None) -> None:
         if (streams := read_or_none(data, RecordedStreams)) is not None:

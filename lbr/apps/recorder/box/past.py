@@ -4,16 +4,18 @@ from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
+import msgspec
 from msgspec import Struct
 
-from lbr.apps.recorder.box.then import snapshot
 from lbr.apps.recorder.messages import HistoryCommand, HistoryReply, ThenCommand, ThenReply
 from lbr.apps.recorder.recording.history import history
-from lbr.apps.recorder.recording.moment import moment
+from lbr.apps.recorder.recording.moment import SILENT_S, Moment, moment
 from lbr.apps.recorder.recording.shelf import Shelf
 from lbr.capability.context import Call, Context
 from lbr.errors import InputError
+from lbr.messages.unreadable import UNREADABLE
 from lbr.why.chain import explain
+from lbr.why.snapshot import Facts, Said, Snapshot
 
 MOST_WAITING = 4
 
@@ -57,6 +59,24 @@ def read_history(shelf: Shelf, asked: HistoryCommand) -> HistoryReply:
     """Return the requested numbers."""
     found = history(shelf.files(), asked.fields, asked.from_ns, asked.to_ns, asked.points)
     return HistoryReply(accepted=True, at_ms=found.at_ms, values=found.values)
+
+
+def snapshot(moment: Moment) -> Snapshot:
+    """Return a moment in the form that `why` explains; raise InputError if its rows were not recorded."""
+    if moment.rows is None:
+        raise InputError("the rows of then are not in the recording, and without them nothing can be explained")
+    try:
+        facts = msgspec.json.decode(moment.rows.facts, type=Facts)
+    except UNREADABLE as err:
+        raise InputError(f"the rows of then are of another version: {err}") from None
+    return Snapshot(
+        facts=facts,
+        executive="up" if moment.late_s <= SILENT_S else "down",
+        status=moment.status,
+        messages={topic: Said(message=message, age_s=age_s) for topic, (message, age_s) in moment.messages.items()},
+        events=moment.events,
+        wall_ns=moment.at_ns,
+    )
 
 
 def read_then(shelf: Shelf, asked: ThenCommand) -> ThenReply:

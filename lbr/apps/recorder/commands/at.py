@@ -8,10 +8,10 @@ import click
 import msgspec
 
 from lbr import home
-from lbr.apps.recorder.box.then import SILENT_S, snapshot
-from lbr.apps.recorder.commands import box
+from lbr.apps.recorder.box.past import snapshot
+from lbr.apps.recorder.commands.box import Excerpt
 from lbr.apps.recorder.recording import times
-from lbr.apps.recorder.recording.moment import Moment, moment
+from lbr.apps.recorder.recording.moment import SILENT_S, Moment, moment
 from lbr.apps.recorder.recording.recorded import RecordedRows
 from lbr.commands.options import FileName, json_option, print_json
 from lbr.commands.rows import opened
@@ -57,8 +57,7 @@ def command(
 
 
 def _moment(at_ns: int, robot: str | None, place: str) -> Moment:
-    chosen, _start, _end = box.selected(place, robot, None, None, None)
-    return moment(chosen.files, at_ns)
+    return moment(Excerpt(place, robot).chosen().files, at_ns)
 
 
 def _why(moment: Moment, part: str, *, as_json: bool) -> int:

@@ -2,30 +2,43 @@
 
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from fnmatch import fnmatchcase
+from functools import wraps
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import click
+from click.shell_completion import CompletionItem
 from msgspec import Struct
-from msgspec.structs import asdict
+from msgspec.structs import asdict, replace
 
 from lbr import home, plugins
-from lbr.apps.recorder.commands.completing import complete_recording
 from lbr.apps.recorder.recording import export as exports
 from lbr.apps.recorder.recording import selection, shelf, times
 from lbr.apps.recorder.recording.chunks import Message
 from lbr.apps.recorder.recording.segments import in_use
 from lbr.apps.recorder.recording.selection import Chosen, Damage
 from lbr.apps.recorder.recording.shelf import Shelf
+from lbr.commands.completing import items
 from lbr.commands.options import FileName, json_option, print_json
-from lbr.errors import InputError
+from lbr.errors import InputError, LbrError
 from lbr.messages.plain import one_line
 
-F = TypeVar("F", bound=Callable[..., object])
+F = TypeVar("F", bound=Callable[..., Any])
 AROUND_S = 10.0
 SHOWN_EVENTS = 20
 MB = 1_000_000
+
+
+def complete_recording(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Return the kept incidents and the recordings."""
+    with suppress(LbrError, OSError):
+        shelves = [Shelf(home.home(), robot) for robot in shelf.robots(home.home())]
+        kept = [(one.path.name, one.why.text if one.why else "") for here in shelves for one in here.incidents()]
+        made = [(path.stem, "a recording") for here in shelves for path in here.recordings()]
+        return items(begun, kept + made)
+    return []
 
 
 def which_robot(function: F) -> F:
@@ -33,13 +46,52 @@ def which_robot(function: F) -> F:
     return click.option("--robot", metavar="NAME", help="Whose; the only one with recordings if left out.")(function)
 
 
-def span_options(function: F) -> F:
-    """Add --from, --to and --at."""
-    function = click.option(
-        "--from", "begin", metavar="TIME", help="From then on: 10m (ago), 14:02, 'yesterday 9:30'."
-    )(function)
-    function = click.option("--to", "end", metavar="TIME", help="Until then; now if left out.")(function)
-    return click.option("--at", "around", metavar="TIME", help=f"{AROUND_S:g} s before and after.")(function)
+class Excerpt(NamedTuple):
+    """The messages that a command means: a recording, by default the box of a robot, and a span of time."""
+
+    recording: str = ""
+    robot: str | None = None
+    begin: str | None = None
+    end: str | None = None
+    around: str | None = None
+
+    def chosen(self) -> Chosen:
+        """Return the files and the span; raise InputError with the choices."""
+        start_ns, end_ns = self._span()
+        is_file = self.recording and Path(self.recording).is_file()
+        place = Shelf(home.home(), "none") if is_file else of_robot(self.robot)[1]
+        return replace(selection.choose(place, self.recording), start_ns=start_ns, end_ns=end_ns)
+
+    def _span(self) -> tuple[int, int]:
+        """Parse the times; raise InputError for a bad one, or an end before the beginning."""
+        now = time.time_ns()
+        if self.around is not None:
+            if self.begin is not None or self.end is not None:
+                raise InputError("--at is a moment: leave out --from and --to")
+            at = times.moment_ns(self.around, now)
+            return at - int(AROUND_S * 1e9), at + int(AROUND_S * 1e9)
+        start_ns = times.moment_ns(self.begin, now) if self.begin is not None else 0
+        end_ns = times.moment_ns(self.end, now) if self.end is not None else selection.LAST_NS
+        if end_ns <= start_ns:
+            raise InputError("--to is before --from: a time of day is the last one that is past")
+        return start_ns, end_ns
+
+
+def excerpt_options(function: F) -> F:
+    """Add WHAT, --robot, --from, --to and --at; the command gets them as `excerpt`."""
+
+    @click.argument("recording", metavar="[WHAT]", required=False, default="", shell_complete=complete_recording)
+    @which_robot
+    @click.option("--from", "begin", metavar="TIME", help="From then on: 10m (ago), 14:02, 'yesterday 9:30'.")
+    @click.option("--to", "end", metavar="TIME", help="Until then; now if left out.")
+    @click.option("--at", "around", metavar="TIME", help=f"{AROUND_S:g} s before and after.")
+    @wraps(function)
+    def with_excerpt(
+        recording: str, robot: str | None, begin: str | None, end: str | None, around: str | None, **others: object
+    ) -> object:
+        return function(excerpt=Excerpt(recording, robot, begin, end, around), **others)
+
+    return with_excerpt  # type: ignore[return-value]  # click calls it by names only
 
 
 @click.group("box")
@@ -82,16 +134,12 @@ def list_box(robot: str | None, as_json: bool) -> int:
 
 
 @command.command("show")
-@click.argument("recording", metavar="[WHAT]", required=False, default="", shell_complete=complete_recording)
-@which_robot
-@span_options
+@excerpt_options
 @json_option
-def show(
-    recording: str, robot: str | None, begin: str | None, end: str | None, around: str | None, as_json: bool
-) -> int:
+def show(excerpt: Excerpt, as_json: bool) -> int:
     """Show what is in WHAT: topics with how many messages, and what happened. Without WHAT it is the box."""
-    chosen, start_ns, end_ns = selected(recording, robot, begin, end, around)
-    counted = _counted(chosen, start_ns, end_ns)
+    chosen = excerpt.chosen()
+    counted = _counted(chosen)
     if as_json:
         print_json({"name": chosen.name, "why": chosen.why, **asdict(counted)})
         return 0
@@ -115,27 +163,14 @@ def show(
 
 
 @command.command("export")
-@click.argument("recording", metavar="[WHAT]", required=False, default="", shell_complete=complete_recording)
-@which_robot
-@span_options
+@excerpt_options
 @click.option(
     "--topic", "topics", multiple=True, metavar="PATTERN", help="Only these: drive/state, motors/*. Repeatable."
 )
 @click.option("--mcap", type=FileName(), metavar="FILE", help="Into one MCAP file, for Foxglove and others.")
 @click.option("--csv", "folder", type=FileName(), metavar="FOLDER", help="Into a table for each topic, and pictures.")
 @click.option("--force", is_flag=True, help="Take the place of what is there.")
-def export(
-    *,
-    recording: str,
-    robot: str | None,
-    begin: str | None,
-    end: str | None,
-    around: str | None,
-    topics: tuple[str, ...],
-    mcap: Path | None,
-    folder: Path | None,
-    force: bool,
-) -> int:
+def export(*, excerpt: Excerpt, topics: tuple[str, ...], mcap: Path | None, folder: Path | None, force: bool) -> int:
     """Write WHAT into files for other programs. Without WHAT it is the box; times select a part of it."""
     if (mcap is None) == (folder is None):
         raise InputError("say where to: --mcap FILE, or --csv FOLDER")
@@ -147,11 +182,10 @@ def export(
         raise InputError(f"{target} is a folder: --mcap writes one file")
     if target.exists() and not force and (mcap is not None or any(target.iterdir())):
         raise InputError(f"{target} is there already; --force takes its place")
-    chosen, start_ns, end_ns = selected(recording, robot, begin, end, around)
-    damage = selection.Damage()
+    chosen, damage = excerpt.chosen(), Damage()
 
     def wanted(*, count: bool = False) -> Iterator[Message]:
-        there = selection.messages(chosen.files, start_ns, end_ns, damage=damage if count else None)
+        there = chosen.messages(damage if count else None)
         return (one for one in there if not topics or any(fnmatchcase(one.topic, pattern) for pattern in topics))
 
     if mcap is not None:
@@ -211,32 +245,7 @@ def of_robot(robot: str | None) -> tuple[str, Shelf]:
         robot = usual[0]
     if robot not in known:
         raise InputError(f"there are no recordings of '{robot}' in {place}", "unknown_name")
-    return robot, shelf.Shelf(place, robot)
-
-
-def selected(
-    recording: str, robot: str | None, begin: str | None, end: str | None, around: str | None
-) -> tuple[Chosen, int, int]:
-    """Return the chosen recording and time span; raise InputError with the choices."""
-    start_ns, end_ns = span(begin, end, around)
-    if recording and Path(recording).is_file():
-        return selection.choose(shelf.Shelf(home.home(), "none"), recording), start_ns, end_ns
-    return selection.choose(of_robot(robot)[1], recording), start_ns, end_ns
-
-
-def span(begin: str | None, end: str | None, around: str | None) -> tuple[int, int]:
-    """Parse the time span; raise InputError for a bad time, or an end before the beginning."""
-    now = time.time_ns()
-    if around is not None:
-        if begin is not None or end is not None:
-            raise InputError("--at is a moment: leave out --from and --to")
-        at = times.moment_ns(around, now)
-        return at - int(AROUND_S * 1e9), at + int(AROUND_S * 1e9)
-    start_ns = times.moment_ns(begin, now) if begin is not None else 0
-    end_ns = times.moment_ns(end, now) if end is not None else selection.LAST_NS
-    if end_ns <= start_ns:
-        raise InputError("--to is before --from: a time of day is the last one that is past")
-    return start_ns, end_ns
+    return robot, Shelf(place, robot)
 
 
 class _Topic(Struct):
@@ -265,9 +274,9 @@ class _Counted(Struct):
     damage: Damage
 
 
-def _counted(chosen: Chosen, start_ns: int, end_ns: int) -> _Counted:
-    counted = _Counted(0, 0, {}, [], selection.Damage())
-    for message in selection.messages(chosen.files, start_ns, end_ns, damage=counted.damage):
+def _counted(chosen: Chosen) -> _Counted:
+    counted = _Counted(0, 0, {}, [], Damage())
+    for message in chosen.messages(counted.damage):
         at_ns = message.log_ns
         counted.from_ns, counted.to_ns = min(counted.from_ns or at_ns, at_ns), max(counted.to_ns, at_ns)
         topic = counted.topics.setdefault(message.topic, _Topic(0, 0, message.channel.schema_name))

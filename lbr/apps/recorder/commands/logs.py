@@ -9,8 +9,8 @@ import click
 from click.shell_completion import CompletionItem
 
 from lbr import home
-from lbr.apps.recorder.commands import box
-from lbr.apps.recorder.recording import export, selection, times
+from lbr.apps.recorder.commands.box import Excerpt
+from lbr.apps.recorder.recording import export, times
 from lbr.database import glance
 from lbr.errors import InputError
 from lbr.names import did_you_mean
@@ -145,9 +145,8 @@ def _followed(path: Path, at: int) -> Iterator[str]:
 def _recorded(name: str, robot: str | None, begin: str | None, end: str | None) -> int:
     shared = {log.rpartition("/")[2] for part, log in _sharing() if _means(name, part)}
     wanted = {name, *shared}
-    chosen, start_ns, end_ns = box.selected("", robot, begin, end, None)
     now, count = time.time_ns(), 0
-    for message in selection.messages(chosen.files, start_ns, end_ns):
+    for message in Excerpt("", robot, begin, end).chosen().messages():
         entry = export.decoded(message) if message.topic == "@log" else None
         if isinstance(entry, dict) and (not name or entry.get("name") in wanted):
             count += 1

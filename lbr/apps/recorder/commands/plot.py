@@ -9,10 +9,11 @@ from typing import NamedTuple
 
 import click
 
-from lbr.apps.recorder.commands import box
-from lbr.apps.recorder.recording import export, selection, times
+from lbr.apps.recorder.commands.box import Excerpt
+from lbr.apps.recorder.recording import export, times
 from lbr.apps.recorder.recording.export import fields
 from lbr.apps.recorder.recording.history import value_of
+from lbr.apps.recorder.recording.selection import Chosen
 from lbr.bus import wire
 from lbr.bus.codec import decode
 from lbr.bus.session import Session
@@ -68,7 +69,7 @@ def command(
     """
     series = [_series(text) for text in fields]
     if begin is not None or end is not None or recording:
-        return _recorded(series, whom.robot, begin, end, recording)
+        return _recorded(series, Excerpt(recording, whom.robot, begin, end).chosen())
     robot = target.find(*whom)
     with target.connected(robot) as bus:
         take = _taker(bus, robot.robot, series)
@@ -145,10 +146,9 @@ def _live(take: Callable[[], object], series: list[Series], seconds: float) -> i
     redraw(frame, FRAME_S)
 
 
-def _recorded(series: list[Series], robot: str | None, begin: str | None, end: str | None, recording: str) -> int:
-    chosen, start_ns, end_ns = box.selected(recording, robot, begin, end, None)
+def _recorded(series: list[Series], chosen: Chosen) -> int:
     last: dict[str, object] = {}
-    for message in selection.messages(chosen.files, start_ns, end_ns):
+    for message in chosen.messages():
         of_topic = [each for each in series if each.topic == message.topic]
         if of_topic:
             last[message.topic] = value = export.decoded(message)

@@ -17,8 +17,7 @@ import msgspec
 from msgspec import Raw
 
 from lbr import home
-from lbr.apps.recorder.commands import box
-from lbr.apps.recorder.commands.completing import complete_recording
+from lbr.apps.recorder.commands.box import Excerpt, excerpt_options
 from lbr.apps.recorder.recording import lines, selection, times
 from lbr.apps.recorder.recording.chunks import PICTURES, Channel, Message
 from lbr.apps.recorder.recording.export import picture_in
@@ -40,9 +39,7 @@ _LETTERS = {b" ": "pause", b"q": "end", b"+": "faster", b"-": "slower", b"\x04":
 
 
 @click.command("replay")
-@click.argument("recording", metavar="[WHAT]", required=False, default="", shell_complete=complete_recording)
-@box.which_robot
-@box.span_options
+@excerpt_options
 @click.option(
     "--as", "name", default="replay", show_default=True, metavar="NAME", help="The robot that it is looked at as."
 )
@@ -63,11 +60,7 @@ _LETTERS = {b" ": "pause", b"q": "end", b"+": "faster", b"-": "slower", b"\x04":
 @json_option
 def command(
     *,
-    recording: str,
-    robot: str | None,
-    begin: str | None,
-    end: str | None,
-    around: str | None,
+    excerpt: Excerpt,
     name: str,
     speed: float,
     loop: bool,
@@ -85,15 +78,15 @@ def command(
     """
     if not _NAME.fullmatch(name):
         raise InputError(f"'{name[:60]}' is not a robot's name: small letters, digits and _")
-    chosen, start_ns, end_ns = box.selected(recording, robot, begin, end, around)
+    chosen = excerpt.chosen()
     if check:
         from lbr.apps.recorder.commands import replay_check  # noqa: PLC0415
 
-        return replay_check.check(chosen, start_ns, end_ns, tries, as_json=as_json)
+        return replay_check.check(chosen, tries, as_json=as_json)
     if as_json:
         raise InputError("--json goes with --check")
     first, last = selection.span_ns(chosen.files)
-    start_ns, end_ns = max(start_ns, first), min(end_ns, last)
+    start_ns, end_ns = max(chosen.start_ns, first), min(chosen.end_ns, last)
     if not last or end_ns < start_ns:
         raise InputError("nothing was recorded in that time ('lbr box list' shows what there is)")
     with _robot(name) as bus, contextlib.suppress(KeyboardInterrupt), _typed() as keys:

@@ -13,11 +13,11 @@ from lbr.commands.options import print_json
 SHOWN = 5
 
 
-def check(chosen: Chosen, start_ns: int, end_ns: int, tries: int, *, as_json: bool) -> int:
+def check(chosen: Chosen, tries: int, *, as_json: bool) -> int:
     """Rerun a recording, up to `tries` times until the results match; print the differences, return the exit code."""
     from lbr.apps.recorder.rerun import check as checks  # noqa: PLC0415 - kept out of its `--help`
 
-    recorded = checks.read(chosen.files, start_ns, end_ns)
+    recorded = checks.read(chosen.files, chosen.start_ns, chosen.end_ns)
     if not as_json:
         devices = ", ".join(
             f"{name} ({len(line.exchanges)})" for name, line in sorted(recorded.exchanged.lines.items())

@@ -11,6 +11,8 @@ from lbr.errors import InputError
 from lbr.messages.system import Event, Status
 
 MOST_EVENTS = 50
+SILENT_S = 3.0
+"""A robot that runs publishes something each second."""
 _SYSTEM = ("@rows", "@status", "@event", "@log")
 
 

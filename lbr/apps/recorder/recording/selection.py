@@ -21,20 +21,27 @@ MOST_REPEATED = 50
 """The events that a new file repeats; of any stream it repeats one message."""
 
 
-class Chosen(Struct, frozen=True, kw_only=True):
-    """Files that belong together, oldest first: the box, a kept incident, a recording, or any other file."""
-
-    name: str
-    files: tuple[Path, ...]
-    why: Incident | None = None
-
-
 class Damage(Struct):
     """The unreadable part: whole files, and the places and bytes in others."""
 
     files: list[str] = []
     places: int = 0
     bytes: int = 0
+
+
+class Chosen(Struct, frozen=True, kw_only=True):
+    """A span of time of files that belong together, oldest first: the box, a kept incident, a recording, or any other
+    file."""
+
+    name: str
+    files: tuple[Path, ...]
+    why: Incident | None = None
+    start_ns: int = 0
+    end_ns: int = LAST_NS
+
+    def messages(self, damage: Damage | None = None) -> Iterator[Message]:
+        """Yield its messages, as the function `messages` does."""
+        return messages(self.files, self.start_ns, self.end_ns, damage=damage)
 
 
 def choose(shelf: Shelf, name: str) -> Chosen:
