@@ -12,9 +12,9 @@ from lbr.messages.kinematics import TWO
 from lbr.messages.sensing import Ranges, RangeStatus, ranges
 from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.engine import Engine, body_of
-from lbr.simulation.measured import ImuReading, Sensed
+from lbr.simulation.loop import Physics
+from lbr.simulation.measured import Sensed
 from lbr.simulation.messages import WorldBox, WorldScene
-from lbr.simulation.model import TIMESTEP_S
 from lbr.simulation.requests import BallRequest, PictureRequest, PlaceRequest, RemoveRequest, ThingsReply
 from lbr.simulation.settings import WorldSettings
 from lbr.simulation.topdown import image
@@ -23,17 +23,14 @@ from lbr.simulation.twins import MotorDrive, Twin, WheelDrive
 from lbr.simulation.world import SimulatedWorld
 
 
-class WheeledPhysics:
+class WheeledPhysics(Physics[Engine]):
     """The physics with its twins. `pose` and `ranges_m` are the newest."""
 
-    timestep_s = TIMESTEP_S
-
     def __init__(self, engine: Engine, twins: Sequence[Twin], cameras: CameraHost) -> None:
+        super().__init__(engine, cameras)
         self.pose, self.ranges_m = engine.pose(), engine.ranges_m
-        self._engine = engine
         self._pairs = [twin for twin in twins if isinstance(twin, WheelDrive)]
         self._motors = [twin for twin in twins if isinstance(twin, MotorDrive) and not isinstance(twin, WheelDrive)]
-        self._cameras = cameras
 
     def advance(self, now: float, dt_s: float) -> None:
         """Run for `dt_s` with the power of the motor controllers."""
@@ -42,14 +39,6 @@ class WheeledPhysics:
     def resting(self, now: float) -> bool:
         """Return whether nothing moves or is about to."""
         return self._engine.resting and self.at_rest(now)
-
-    def rest(self, dt_s: float) -> None:
-        """Let time pass in which nothing has moved."""
-        self._engine.rest(dt_s)
-
-    def imu(self) -> ImuReading:
-        """Return an inertial unit's measurement at the newest step."""
-        return self._engine.imu()
 
     def look(self, now: float) -> Sensed:
         """Look around, also through the cameras."""

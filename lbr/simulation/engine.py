@@ -10,20 +10,17 @@ from msgspec.structs import replace
 
 from lbr.messages.kinematics import HOLONOMIC, TWO, Kinematics, Wheel
 from lbr.messages.sensing import RangeSensor, ring
-from lbr.simulation.balls import Balls
-from lbr.simulation.battery import BatteryState
-from lbr.simulation.cameras.view import view_of
 from lbr.simulation.docking import DockSense, world_dock
-from lbr.simulation.inertial import InertialUnit
-from lbr.simulation.measured import Beam, ImuReading, MotorSensed, Sensed
+from lbr.simulation.measured import Beam, MotorSensed, Sensed
 from lbr.simulation.messages import WorldBox, WorldPose, WorldScene, WorldSensor
 from lbr.simulation.model import DOCK, MAX_TORQUE_NM, ROBOT, STANDING, TIMESTEP_S, model_xml, two_wheels
-from lbr.simulation.physics import mujoco, packed
+from lbr.simulation.physics import mujoco
 from lbr.simulation.placing import Placed
 from lbr.simulation.ranging import Rangers
 from lbr.simulation.rollers import Rollers
 from lbr.simulation.room import BoxSettings
 from lbr.simulation.settings import WorldSettings
+from lbr.simulation.stepped import SteppedEngine
 
 _SENSE_EVERY = 10
 _SETTLING_STEPS = 100
@@ -34,7 +31,7 @@ _AMPS_PER_NM = 3.0
 _AMPS_SETTLE = 0.15
 
 
-class Engine:
+class Engine(SteppedEngine):
     """The world, moved by the power of its motors; the same steps with the same seed give the same run.
 
     `sensors` are the robot's sensors of distance; None: a ring around its outline. `wheels` are its wheels, with
@@ -51,13 +48,10 @@ class Engine:
     ) -> None:
         self.settings = settings
         self._wheels = tuple(wheels) or two_wheels(settings.body)
-        self.battery = BatteryState(settings.battery)
-        self._model = mujoco.MjModel.from_xml_string(model_xml(settings, self._wheels, rollers=rollers))
-        self._data = mujoco.MjData(self._model)
+        super().__init__(mujoco.MjModel.from_xml_string(model_xml(settings, self._wheels, rollers=rollers)), settings)
         self._amps, self._drawn = [0.0] * len(self._wheels), [0.0] * len(self._wheels)
         self._power: dict[str, float] = {}
-        self._owed_s = 0.0
-        self._steps = self._still_steps = 0
+        self._still_steps = 0
         self.ranges_m: dict[str, float | None] = {}
         self._scans: dict[str, tuple[float | None, ...]] = {}
         self._beams: frozenset[Beam] = frozenset()
@@ -65,10 +59,8 @@ class Engine:
         sensors = ring(settings.body.length_m, settings.body.width_m) if sensors is None else sensors
         self._sensors = tuple(_seen_from_above(one) for one in sensors if one.level and one.rays == 1)
         self._rangers = Rangers(mujoco, self._model, sensors, settings.ultrasonic, settings.seed)
-        self._imu = InertialUnit(settings.imu, settings.seed)
         self._dock = DockSense(mujoco, self._model, settings.dock, settings.body) if settings.dock else None
         self._placed = Placed(self._model)
-        self.balls = Balls(self._model, settings.balls)
         self._standing = frozenset(self._geoms(STANDING))
         self._walls = self._standing - {self._model.geom(DOCK).id if settings.dock else -1}
         self._robot = frozenset(self._geoms(ROBOT))
@@ -80,11 +72,6 @@ class Engine:
         self._settle()
         self._sense()
 
-    @property
-    def time_s(self) -> float:
-        """Return the seconds that the world has run."""
-        return float(self._data.time)
-
     def step(self, left: float, right: float, dt_s: float) -> None:
         """Run the world for `dt_s` with the two motors at a fraction of full power, forward positive."""
         self.drive({"left": left, "right": right}, dt_s)
@@ -92,24 +79,12 @@ class Engine:
     def drive(self, powers: Mapping[str, float], dt_s: float) -> None:
         """Run the world for `dt_s` with motors at a fraction of full power, forward positive; others rest."""
         self._power = {motor: _limited(power) for motor, power in powers.items()}
-        self._owed_s += dt_s
-        if self.resting and not any(self._power.values()):
-            self._rest(self._owed_steps())
-            return
-        while self._owed_s >= TIMESTEP_S - 1e-9:
-            self._owed_s -= TIMESTEP_S
-            self._step_once()
+        self._run(dt_s, rests=self.resting and not any(self._power.values()))
 
     @property
     def resting(self) -> bool:
-        """Return whether nothing moves: then time passes without the physics, exactly until the next power or
-        change."""
+        """Return whether nothing moves: then time passes without the physics, until the next power or change."""
         return self._still_steps >= _STILL_STEPS and not self._placed.changed and self.balls.still
-
-    def rest(self, dt_s: float) -> None:
-        """Let time pass in which the world stood, before a power that has just come."""
-        self._owed_s += dt_s
-        self._rest(self._owed_steps())
 
     def sensed(self) -> Sensed:
         """Return the present measurements of devices."""
@@ -136,18 +111,6 @@ class Engine:
             charging_a=self.battery.charging_a,
             beams=self._beams,
         )
-
-    def imu(self) -> ImuReading:
-        """Return an inertial unit's measurement at the newest step; cheap, for a twin that is read."""
-        return self._imu.read(self._steps)
-
-    def view(self) -> bytes:
-        """Return the data of a picture of this instant."""
-        return view_of(self._model, self._data)
-
-    def packed(self) -> bytes:
-        """Return the model, for the drawing process."""
-        return packed(self._model)
 
     def place(self, box: WorldBox) -> None:
         """Place a thing with the next step, or move the one of its name; for any thread. Raise InputError without room
@@ -216,20 +179,12 @@ class Engine:
         mujoco.mj_forward(self._model, self._data)
         self._imu.follow(self._data)
 
-    def _owed_steps(self) -> int:
-        steps = int(self._owed_s / TIMESTEP_S + 1e-6)
-        self._owed_s -= steps * TIMESTEP_S
-        return steps
-
-    def _rest(self, steps: int) -> None:
-        """Pass steps in which nothing moves: only the battery and noise go on."""
-        if not steps:
+    def _passed(self, count: int) -> None:
+        """Go on with battery and noise."""
+        if not count:
             return
-        self._data.time += steps * TIMESTEP_S
-        self._draw(steps * TIMESTEP_S)
-        looks = self._steps // _SENSE_EVERY
-        self._steps += steps
-        if self._steps // _SENSE_EVERY != looks:
+        self._draw(count * TIMESTEP_S)
+        if self._steps // _SENSE_EVERY != (self._steps - count) // _SENSE_EVERY:
             self.ranges_m = self._rangers.again(self._steps - self._steps % _SENSE_EVERY)
 
     def _step_once(self) -> None:

@@ -2,13 +2,17 @@
 
 import selectors
 import threading
+from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import Any, Generic, TypeVar
 
+from lbr.simulation.cameras.host import CameraHost
 from lbr.simulation.measured import ImuReading, Sensed
+from lbr.simulation.stepped import SteppedEngine
 from lbr.simulation.twins import Feeling, Twin
 
+E = TypeVar("E", bound=SteppedEngine)
 SWITCH_S = 0.0005
 """The time within which a world's thread gets its turn; the default 5 ms would show in the devices' answers."""
 
@@ -24,29 +28,39 @@ _RESTING_S = 0.3
 _RESTING_LOOK_S = 0.005
 
 
-class Physics(Protocol):
-    """The parts that a loop keeps on time: an engine with the twins that move it."""
+class Physics(ABC, Generic[E]):
+    """The parts that a loop keeps on time: an engine with the twins that move it, and the cameras in its world."""
 
-    timestep_s: float
+    def __init__(self, engine: E, cameras: CameraHost) -> None:
+        self.timestep_s = engine.timestep_s
+        self._engine = engine
+        self._cameras = cameras
 
+    @abstractmethod
     def advance(self, now: float, dt_s: float) -> None:
         """Run for `dt_s`, moved by the present state of its twins."""
 
+    @abstractmethod
     def resting(self, now: float) -> bool:
         """Return whether nothing moves or is about to: then time needs no steps."""
 
     def rest(self, dt_s: float) -> None:
         """Let time pass in which nothing has moved."""
+        self._engine.rest(dt_s)
 
     def imu(self) -> ImuReading:
         """Return an inertial unit's measurement at the newest step."""
+        return self._engine.imu()
 
+    @abstractmethod
     def look(self, now: float) -> Sensed:
         """Look around: return the present measurements of devices, and keep the data that others ask for."""
 
+    @abstractmethod
     def moved_by(self, twin: Twin) -> bool:
         """Return whether a twin moves parts of the world: such a one exists from the beginning."""
 
+    @abstractmethod
     def at_rest(self, now: float) -> bool:
         """Return whether no power moves anything any more."""
 
@@ -54,7 +68,7 @@ class Physics(Protocol):
 class WorldLoop:
     """Runs physics and twins until closed; `failure` is why it ended early."""
 
-    def __init__(self, physics: Physics, twins: Sequence[Twin], clock: Callable[[], float]) -> None:
+    def __init__(self, physics: Physics[Any], twins: Sequence[Twin], clock: Callable[[], float]) -> None:
         self.failure: BaseException | None = None
         self._physics = physics
         self._twins = tuple(twins)

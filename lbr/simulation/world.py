@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 from msgspec.structs import replace
 
@@ -16,23 +16,14 @@ from lbr.simulation.painter import Painter
 from lbr.simulation.plugged import Plugged, report_drawing
 from lbr.simulation.requests import FaultRequest, PlugRequest
 from lbr.simulation.settings import WorldSettings
+from lbr.simulation.stepped import SteppedEngine
 from lbr.simulation.twins import Surroundings, Twin
 
 S = TypeVar("S", bound=WorldSettings | HumanoidWorldSettings)
-P = TypeVar("P", bound=Physics)
+P = TypeVar("P", bound=Physics[Any])
 
 SAME_POSE_S = 0.5
 """The interval of reports for a robot that does not move."""
-
-
-class Drawn(Protocol):
-    """An engine whose world cameras show."""
-
-    def view(self) -> bytes:
-        """Return the data of a picture of this instant."""
-
-    def packed(self) -> bytes:
-        """Return the model, for the drawing process."""
 
 
 class SimulatedWorld(Capability[S]):
@@ -49,7 +40,7 @@ class SimulatedWorld(Capability[S]):
         self._still: WorldPose | HumanoidPose | None = None
         self._switch_s = sys.getswitchinterval()
 
-    def begin(self, engine: Drawn, physics: Callable[[tuple[Twin, ...], CameraHost], P], **around: Any) -> P:
+    def begin(self, engine: SteppedEngine, physics: Callable[[tuple[Twin, ...], CameraHost], P], **around: Any) -> P:
         """Plug the twins in and start time; `around` are further arguments for the twins."""
         sys.setswitchinterval(SWITCH_S)
         self._pose_at, self._still = self.ctx.clock(), None

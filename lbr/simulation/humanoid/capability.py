@@ -9,29 +9,26 @@ from lbr.errors import InputError
 from lbr.messages.joints import Joint
 from lbr.messages.leases import CommandReply
 from lbr.simulation.cameras.host import CameraHost
-from lbr.simulation.humanoid.body import TIMESTEP_S
 from lbr.simulation.humanoid.engine import HumanoidEngine
 from lbr.simulation.humanoid.portrait import portrait
 from lbr.simulation.humanoid.servos import Servo, servo
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
-from lbr.simulation.measured import ImuReading, Sensed, ServoDrive, ServoFelt
+from lbr.simulation.loop import Physics
+from lbr.simulation.measured import Sensed, ServoDrive, ServoFelt
 from lbr.simulation.messages import HumanoidPose
 from lbr.simulation.requests import BallRequest, HandRequest, PickUpReply, PickUpRequest, PictureRequest
 from lbr.simulation.twins import PowerSwitch, ServoBus, Twin
 from lbr.simulation.world import SimulatedWorld
 
 
-class HumanoidPhysics:
+class HumanoidPhysics(Physics[HumanoidEngine]):
     """The physics with its twins. `pose` and `view` are the newest; any thread may set `pick_up`, for the next step."""
 
-    timestep_s = TIMESTEP_S
-
     def __init__(self, engine: HumanoidEngine, twins: Sequence[Twin], cameras: CameraHost) -> None:
+        super().__init__(engine, cameras)
         self.pose: HumanoidPose = engine.pose()
         self.view = engine.view()
         self.pick_up = False
-        self._engine = engine
-        self._cameras = cameras
         self._switches = [twin for twin in twins if isinstance(twin, PowerSwitch)]
         found = {twin.name: twin for twin in twins if isinstance(twin, ServoBus)}
         self._buses = [(name if name in engine.buses else "", bus) for name, bus in found.items()]
@@ -53,14 +50,6 @@ class HumanoidPhysics:
     def resting(self, now: float) -> bool:
         """Return whether nothing moves, and the servos' registers ask for no motion."""
         return not self.pick_up and self._engine.resting and self._engine.driven(self._drives(now))
-
-    def rest(self, dt_s: float) -> None:
-        """Let time pass in which nothing has moved."""
-        self._engine.rest(dt_s)
-
-    def imu(self) -> ImuReading:
-        """Return the inertial unit's measurement at the newest step."""
-        return self._engine.imu()
 
     def look(self, now: float) -> Sensed:
         """Look around, also through the cameras."""

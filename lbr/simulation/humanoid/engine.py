@@ -9,19 +9,16 @@ from msgspec.structs import replace
 
 from lbr.errors import InputError
 from lbr.messages.joints import Joint
-from lbr.simulation.balls import Balls
-from lbr.simulation.battery import BatteryState
 from lbr.simulation.bindings import MjData
-from lbr.simulation.cameras.view import view_of
 from lbr.simulation.humanoid.body import FLOOR, TIMESTEP_S, Body, heading_rad, load, model_file
 from lbr.simulation.humanoid.grip import Grip
 from lbr.simulation.humanoid.servos import Floats, Servo, Servos
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.humanoid.stillness import Stillness
-from lbr.simulation.inertial import InertialUnit
-from lbr.simulation.measured import ImuReading, Sensed, ServoDrive, ServoFelt
+from lbr.simulation.measured import Sensed, ServoDrive, ServoFelt
 from lbr.simulation.messages import HumanoidPose
-from lbr.simulation.physics import mujoco, packed
+from lbr.simulation.physics import mujoco
+from lbr.simulation.stepped import SteppedEngine
 
 _UPRIGHT = cos(radians(45.0))
 _STAND_M = 0.05
@@ -35,24 +32,20 @@ _WELL_ABOVE = 0.4
 """The permitted distance of its weight from the middle of its feet, as a share of their span."""
 
 
-class HumanoidEngine:
+class HumanoidEngine(SteppedEngine):
     """The world of one humanoid; the same steps with the same seed give the same run."""
 
     def __init__(self, settings: HumanoidWorldSettings, joints: Sequence[Joint], home: str) -> None:
         self.settings = settings
         self.body: Body = load(model_file(settings.model, home), joints, settings)
-        self.battery = BatteryState(settings.battery)
+        super().__init__(self.body.model, settings)
         self.buses = frozenset(joint.bus for joint in joints)
         """The buses that the joints' rows name."""
         self._names = [joint.name for joint in joints]
-        self._model, self._data = self.body.model, mujoco.MjData(self.body.model)
         self._servos = Servos(_as_built(joints, settings), settings.motors_of(self._names))
         self.grip = Grip(self._names)
-        self._rest = _angles(settings.rests, self._names)
-        self.balls = Balls(self._model, settings.balls)
-        self._imu = InertialUnit(settings.imu, settings.seed)
-        self._owed_s = self._driven_s = 0.0
-        self._steps = 0
+        self._rest_rad = _angles(settings.rests, self._names)
+        self._driven_s = 0.0
         self._stillness = Stillness(self._data.qpos)
         self._floor = self._model.geom(FLOOR).id
         mujoco.mj_kinematics(self._model, self._data)
@@ -63,11 +56,6 @@ class HumanoidEngine:
     def data(self) -> MjData:
         """Return the physics engine's state, for reading."""
         return self._data
-
-    @property
-    def time_s(self) -> float:
-        """Return the seconds that the world has run."""
-        return float(self._data.time)
 
     @property
     def held(self) -> bool:
@@ -120,7 +108,7 @@ class HumanoidEngine:
         data, limp = self._data, self._servos.limp
         rests = bool(self.settings.rests) and bool(limp.all()) and not self.settings.stand
         yaw = heading_rad(data.xmat[self.body.trunk])
-        data.qpos[self.body.positions] = np.where(limp, self._rest, data.qpos[self.body.positions])
+        data.qpos[self.body.positions] = np.where(limp, self._rest_rad, data.qpos[self.body.positions])
         data.qvel[:] = 0.0
         data.qpos[2:7] = (0.0, 1.0, 0.0, 0.0, 0.0)
         mujoco.mj_kinematics(self._model, data)
@@ -143,29 +131,15 @@ class HumanoidEngine:
         if self._servos.follow(drives):
             self._model.dof_damping[self.body.speeds] = self._servos.damping_nms
             self._stillness.end()
-        self._owed_s += dt_s
-        if self.resting:
-            self._pass_time()
-        while self._owed_s >= TIMESTEP_S - 1e-9:
-            self._owed_s -= TIMESTEP_S
-            self._step_once()
+        self._run(dt_s, rests=self.resting)
 
     def driven(self, drives: Mapping[Servo, ServoDrive]) -> bool:
         """Return whether the servos' motors have these states already."""
         return self._servos.driven(drives)
 
-    def rest(self, dt_s: float) -> None:
-        """Let time pass in which it stood, before an order that has just come."""
-        self._owed_s += dt_s
-        self._pass_time()
-
     def felt(self) -> dict[Servo, ServoFelt]:
         """Return the present measurements of the servos."""
         return self._servos.felt(*self._joints())
-
-    def imu(self) -> ImuReading:
-        """Return the inertial unit's measurement at the newest step."""
-        return self._imu.read(self._steps)
 
     def sensed(self) -> Sensed:
         """Return the present measurements of devices other than the servos."""
@@ -191,24 +165,12 @@ class HumanoidEngine:
             time_s=self.time_s,
         )
 
-    def view(self) -> bytes:
-        """Return the data of a picture of this instant."""
-        return view_of(self._model, self._data)
-
-    def packed(self) -> bytes:
-        """Return the model, for the drawing process."""
-        return packed(self._model)
-
     def _joints(self) -> tuple[Floats, Floats]:
         return self._data.qpos[self.body.positions], self._data.qvel[self.body.speeds]
 
-    def _pass_time(self) -> None:
-        """Pass the outstanding time without a step: only the battery, the balls and noise go on."""
-        steps = int(self._owed_s / TIMESTEP_S + 1e-6)
-        self._owed_s -= steps * TIMESTEP_S
-        self._steps += steps
-        self._data.time += steps * TIMESTEP_S
-        self.battery.draw(self._servos.amps(), steps * TIMESTEP_S)
+    def _passed(self, count: int) -> None:
+        """Go on with battery, balls and noise."""
+        self.battery.draw(self._servos.amps(), count * TIMESTEP_S)
         if not self.balls.still:
             self.balls.apply(self._data)
             mujoco.mj_kinematics(self._model, self._data)
