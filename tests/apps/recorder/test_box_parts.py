@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.apps.recorder.box.clock import MOST_NS, Clock
-from lbr.apps.recorder.box.disk import Chunk, Disk
+from lbr.apps.recorder.box.disk import BoxDisk, Chunk, Disk
 from lbr.apps.recorder.box.keeping import MARK, MOST_OF_ONE, Keeping
 from lbr.apps.recorder.box.logs import Logs
 from lbr.apps.recorder.recording import chunks, selection
@@ -119,15 +119,15 @@ def test_lines_of_logs_come_once_each_also_when_a_log_is_cut(tmp_path):
 LIMITED = """
 import resource, sys, time
 from pathlib import Path
-from lbr.apps.recorder.box.disk import Bounds, Chunk, Disk
+from lbr.apps.recorder.box.disk import Bounds, BoxDisk, Chunk, Disk
 from lbr.apps.recorder.recording import chunks
 from lbr.apps.recorder.recording.chunks import Channel, Channels
 from lbr.apps.recorder.recording.shelf import Shelf
 
 shelf = Shelf(Path(sys.argv[1]), "lbr")
 bounds = Bounds(bytes=10**9, seconds=1e9, kept_bytes=0, kept_seconds=1e9, free_bytes=0)
-own = {"shelf": shelf, "bounds": bounds} if sys.argv[2] == "box" else {}
-disk = Disk(shelf.next_file if own else lambda: Path(sys.argv[1], "one.mcap"), "a test", **own)
+one = Path(sys.argv[1], "one.mcap")
+disk = BoxDisk(shelf, bounds, "a test") if sys.argv[2] == "box" else Disk(lambda: one, "a test")
 channels = Channels()
 number = channels.number(Channel("drive/state"))
 limit = (20_000, resource.getrlimit(resource.RLIMIT_FSIZE)[1])
@@ -227,7 +227,7 @@ def test_a_box_that_leaves_no_room_to_others_gives_up_its_oldest_files_and_then_
         place.next_file().write_bytes(b"x")
     monkeypatch.setattr(os, "statvfs", lambda _path: SimpleNamespace(f_bavail=10, f_frsize=1_000_000, f_blocks=100_000))
     bounds = Bounds(bytes=10**9, seconds=1e9, kept_bytes=0, kept_seconds=1e9, free_bytes=200_000_000)
-    disk = Disk(place.next_file, "a test", shelf=place, bounds=bounds)
+    disk = BoxDisk(place, bounds, "a test")
     number = Channels().number(Channel("drive/state"))
     disk.put(Chunk([chunks.message(number, 1, 1, 1, b"{}")], 1, 2, 1, 1, {"robot": "lbr"}))
     until(lambda: disk.lost == 1, what="the message is given up")

@@ -4,12 +4,13 @@ import fnmatch
 import time
 from collections import deque
 from pathlib import Path
+from typing import Any, Generic, TypeVar
 
 from msgspec import Raw, Struct
 
 from lbr import plugins
 from lbr.apps.recorder.box.clock import Clock
-from lbr.apps.recorder.box.disk import Bounds, Chunk, Disk
+from lbr.apps.recorder.box.disk import Bounds, BoxDisk, Chunk, Disk
 from lbr.apps.recorder.box.inbox import ALL_ROWS, EVENT, LINES, STATUS, Arrival, Inbox, line
 from lbr.apps.recorder.box.keeping import MARK, Keeping
 from lbr.apps.recorder.box.kind import BoxSettings
@@ -44,6 +45,7 @@ TAPED = "@taped/"
 EVENTS = 50
 """The newest events, which a new file repeats; the executive has as many to explain why something stands still."""
 MB = 1_000_000
+D = TypeVar("D", bound=Disk)
 
 
 class _Answer(Struct):
@@ -58,10 +60,10 @@ class _Revision(Struct):
     revision: int = 0
 
 
-class Output:
+class Output(Generic[D]):
     """The part of a round that goes into one file, and the time of the next file."""
 
-    def __init__(self, disk: Disk, segment_s: float | None) -> None:
+    def __init__(self, disk: D, segment_s: float | None) -> None:
         self.disk = disk
         self._segment_s = segment_s
         self._begun = -1e9
@@ -122,8 +124,8 @@ class Box(Capability[BoxSettings]):
         self._published: BoxState | None = None
         self._warned = ""
         self._inbox: Inbox | None = None
-        self._box_output: Output | None = None
-        self._recording: Output | None = None
+        self._box_output: Output[BoxDisk] | None = None
+        self._recording: Output[Disk] | None = None
         self._recording_until = self._recording_since = 0.0
         self._jumped = ""
         self._with_cameras = False
@@ -144,9 +146,7 @@ class Box(Capability[BoxSettings]):
             kept_seconds=settings.kept_days * 86400,
             free_bytes=settings.free_mb * MB,
         )
-        self._box_output = Output(
-            Disk(self._shelf.next_file, self._library, shelf=self._shelf, bounds=self._bounds), SEGMENT_S
-        )
+        self._box_output = Output(BoxDisk(self._shelf, self._bounds, self._library), SEGMENT_S)
 
     def step(self) -> None:
         """Record the messages of a round; other beats of the process only answer questions about the past."""
@@ -200,7 +200,7 @@ class Box(Capability[BoxSettings]):
     # -- one round -----------------------------------------------------------------------------------------------------
 
     @property
-    def _outputs(self) -> list[Output]:
+    def _outputs(self) -> list[Output[Any]]:
         """Return the file of the box, and that of a recording on purpose."""
         return [output for output in (self._box_output, self._recording) if output is not None]
 
@@ -224,7 +224,7 @@ class Box(Capability[BoxSettings]):
         for each, begins in zip(outputs, begun, strict=True):
             each.flush(self._channels, now, self._about() if begins else None, schemas if begins else fresh)
 
-    def _put(self, outputs: list[Output], message: Arrival) -> None:
+    def _put(self, outputs: list[Output[Any]], message: Arrival) -> None:
         if message.topic == STATUS and (status := read_or_none(message.data, _Revision)) is not None:
             self._revision = status.revision
         if message.topic == EVENT:
@@ -236,17 +236,17 @@ class Box(Capability[BoxSettings]):
             if output is self._recording or not message.topic.startswith(TAPED):
                 self._add(output, message)
 
-    def _add_now(self, channel: Channel, data: bytes, outputs: list[Output]) -> None:
+    def _add_now(self, channel: Channel, data: bytes, outputs: list[Output[Any]]) -> None:
         """Add a message of this moment."""
         number, at_ns = self._channels.number(channel), self._clock.dated(self._clock.now_ns)
         for output in outputs:
             output.add(number, 0, at_ns, at_ns, data)
 
-    def _add(self, output: Output, arrival: Arrival) -> None:
+    def _add(self, output: Output[Any], arrival: Arrival) -> None:
         log_ns = self._clock.dated(arrival.mono_ns)
         output.add(arrival.number, arrival.sequence, log_ns, arrival.publish_ns, arrival.data)
 
-    def _repeat(self, output: Output) -> None:
+    def _repeat(self, output: Output[Any]) -> None:
         """Begin a new file with the rows and the newest message of each stream, so that it stands by itself."""
         if self._rows:
             self._add_now(ALL_ROWS, self._rows, [output])
@@ -406,7 +406,7 @@ class Box(Capability[BoxSettings]):
         )
         self.ctx.publish("state", self._published)
 
-    def _name(self, output: Output) -> str:
+    def _name(self, output: Output[Any]) -> str:
         return output.disk.path.name if output.disk.path is not None else "a recording"
 
 

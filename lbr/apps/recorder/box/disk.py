@@ -64,30 +64,20 @@ class Bounds(Struct, frozen=True, kw_only=True):
 
 
 class Disk:
-    """Writes one file after the other, at the paths from `place`. Any thread may read its reports.
+    """Writes one file, at the path from `place`. Any thread may read its reports.
 
-    With `shelf` and `bounds` it is the box: it deletes old files and links the kept ones. Without them it writes one
-    file.
-    `trouble` is the problem in one line. After a failure (`broken`) the box drops chunks until one begins another file.
+    `trouble` is the problem in one line. After a failure (`broken`) chunks are lost until one begins a file.
     """
 
-    def __init__(
-        self, place: Callable[[], Path], library: str, *, shelf: Shelf | None = None, bounds: Bounds | None = None
-    ) -> None:
+    def __init__(self, place: Callable[[], Path], library: str) -> None:
         self.messages = self.lost = self.size = 0
         self.trouble = ""
         self.broken = True
-        self.steady = False
         self.path: Path | None = None
-        self.used_bytes = self.kept_bytes = self.kept_count = 0
         self._place = place
         self._library = library
-        self._shelf = shelf
-        self._bounds = bounds
         self._segment: Segment | None = None
-        self._keeps: dict[str, Keep] = {}
         self._waiting_bytes = 0
-        self._prune_at = 0.0
         self._jobs: queue.SimpleQueue[Chunk | Keep | None] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._run, name="disk", daemon=True)
         self._thread.start()
@@ -101,10 +91,6 @@ class Disk:
         self._waiting_bytes += chunk.bytes
         self._jobs.put(chunk)
         return True
-
-    def keep(self, one: Keep) -> None:
-        """Keep the files around an incident."""
-        self._jobs.put(one)
 
     def close(self, within_s: float = CLOSE_S) -> None:
         """Write the queue, finish the file, and stop; what is not written within `within_s` is lost."""
@@ -120,82 +106,105 @@ class Disk:
             try:
                 self._write(job)
             except OSError as err:
-                self._fail(
-                    job, f"the disk takes nothing ({err.strerror}): nothing is recorded until it does", err.errno
-                )
-        if self._segment is not None:
-            self._segment.finish()
-            self._segment = None
+                why = f"the disk takes nothing ({err.strerror}): nothing is recorded until it does"
+                self.lost, self.trouble, self.broken = self.lost + job.messages, why, True
+                self._failed(err.errno)
+        self._finish()
 
     def _write(self, job: Chunk) -> None:
         began = time.monotonic()
         if job.begin is not None:
             self._begin(job.begin)
+            self.broken = False
         if self._segment is None:
             self.lost += job.messages
             return
         self._segment.write(chunks.chunk(job.parts, job.start_ns, job.end_ns))
         self.messages += job.messages
         self.size = self._segment.size
-        if self.size > LARGEST_BYTES and self._shelf is not None:
-            self.broken = True
         late = time.monotonic() - began > SLOW_S
         self.trouble = "the disk is slow: it took a second's worth for more than two" if late else ""
-        if self._shelf is not None and time.monotonic() >= self._prune_at:
-            self._prune_at = time.monotonic() + PRUNE_S
-            self._prune()
+        self._written()
 
     def _begin(self, about: dict[str, str]) -> None:
-        if self._segment is not None and self._shelf is None:
-            self.broken = False
-            return
+        if self._segment is None:
+            self.path, self.size = self._place(), 0
+            self._segment = Segment(self.path, self._library, about)
+
+    def _finish(self) -> None:
         if self._segment is not None:
             self._segment.finish()
             self._segment = None
-        if self._shelf is not None:
-            self._shelf.make()
-            self._leave_room()
-        self.path, self.size = self._place(), 0
-        self._segment = Segment(self.path, self._library, about)
-        self.broken = False
+
+    def _written(self) -> None:
+        """Look after the files, after each chunk."""
+
+    def _failed(self, code: int | None) -> None:
+        """React to a failure of the disk."""
+
+    def _keep(self, keep: Keep) -> None:
+        """Keep the files around an incident, if there are several."""
+
+
+class BoxDisk(Disk):
+    """Writes the files of the box one after the other, deletes old ones, and links the kept ones.
+
+    `steady`: ages can be judged by the clock.
+    """
+
+    def __init__(self, shelf: Shelf, bounds: Bounds, library: str) -> None:
+        self.steady = False
+        self.used_bytes = self.kept_bytes = self.kept_count = 0
+        self._shelf = shelf
+        self._bounds = bounds
+        self._keeps: dict[str, Keep] = {}
+        self._prune_at = 0.0
+        super().__init__(shelf.next_file, library)
+
+    def keep(self, one: Keep) -> None:
+        """Keep the files around an incident."""
+        self._jobs.put(one)
+
+    def _begin(self, about: dict[str, str]) -> None:
+        self._finish()
+        self._shelf.make()
+        self._leave_room()
+        super()._begin(about)
         now = time.monotonic()
         self._keeps = {name: one for name, one in self._keeps.items() if now <= one.until + 1.0}
         for one in self._keeps.values():
-            self._link(one, [self.path])
+            self._link(one, [self.path] if self.path is not None else [])
 
     def _leave_room(self) -> None:
         """Delete old files while the disk has too little room for others; raise OSError if that does not help."""
-        assert self._shelf is not None
-        assert self._bounds is not None
         while lacks := self._bounds.lacks_room(self._shelf.box):
             if len(self._shelf.files()) < 2 or not self._shelf.drop_oldest():
                 raise OSError(errno.EIO, lacks)
 
-    def _prune(self) -> None:
-        assert self._shelf is not None
-        assert self._bounds is not None
+    def _written(self) -> None:
+        self.broken = self.broken or self.size > LARGEST_BYTES
+        if time.monotonic() < self._prune_at:
+            return
+        self._prune_at = time.monotonic() + PRUNE_S
         now = time.time() if self.steady else 0.0
         self._shelf.prune(self._bounds.bytes, self._bounds.seconds, now)
         self._shelf.prune_kept(self._bounds.kept_bytes, self._bounds.kept_seconds, now)
         self._count()
 
-    def _count(self) -> None:
-        assert self._shelf is not None
-        kept = self._shelf.incidents()
-        self.used_bytes = size_of(self._shelf.files())
-        self.kept_bytes = size_of({path for one in kept for path in one.files})
-        self.kept_count = len(kept)
+    def _failed(self, code: int | None) -> None:
+        if self._segment is not None:
+            self._segment.close()
+            self._segment = None
+        if code in FULL and len(self._shelf.files()) > 1:
+            self._shelf.drop_oldest()
 
     def _keep(self, keep: Keep) -> None:
-        if self._shelf is None:
-            return
         known = keep.name in self._keeps
         self._keeps[keep.name] = keep
         self._link(keep, [] if known else self._before(keep))
 
     def _before(self, keep: Keep) -> list[Path]:
         """Return the newest files that cover the time before an incident, in the order of their numbers."""
-        assert self._shelf is not None
         files, chosen, seconds = self._shelf.files(), [], 0.0
         for path in reversed(files[-MOST_LINKED:]):
             chosen.append(path)
@@ -205,22 +214,17 @@ class Disk:
         return chosen
 
     def _link(self, keep: Keep, files: list[Path]) -> None:
-        assert self._shelf is not None
         try:
             self._shelf.keep(keep.name, keep.why, files)
             self._count()
         except OSError as err:
             self.trouble = f"what led to '{keep.why.kind}' cannot be kept: {err.strerror}"
 
-    def _fail(self, job: Chunk, why: str, code: int | None) -> None:
-        self.lost += job.messages
-        self.trouble = why
-        self.broken = True
-        if self._segment is not None and self._shelf is not None:
-            self._segment.close()
-            self._segment = None
-        if code in FULL and self._shelf is not None and len(self._shelf.files()) > 1:
-            self._shelf.drop_oldest()
+    def _count(self) -> None:
+        kept = self._shelf.incidents()
+        self.used_bytes = size_of(self._shelf.files())
+        self.kept_bytes = size_of({path for one in kept for path in one.files})
+        self.kept_count = len(kept)
 
 
 def _length_s(path: Path) -> float:

@@ -62,36 +62,30 @@ class Recording:
         """Yield the messages of a time span, chunk by chunk; damaged parts are skipped and counted."""
         for span in self.spans:
             outside = span.end_ns < start_ns or span.start_ns > end_ns
-            if outside and span is not self.spans[0]:  # the first chunk has the schemas
-                continue
-            try:
-                plain = chunks.opened(self._data, span)
-                for one in self._contents.read(plain):
-                    if start_ns <= one.log_ns <= end_ns:
-                        yield one
-            except DamagedError:
-                self._hurt(span.length)
-        yield from self._unchunked(start_ns, end_ns)
-
-    def chunks(self) -> Iterator[tuple[Span, Callable[[], list[Message]]]]:
-        """Yield each chunk after the first, which repeats older messages, with a function that reads its messages."""
-
-        def read(span: Span) -> list[Message]:
-            try:
-                return list(self._contents.read(chunks.opened(self._data, span)))
-            except DamagedError:
-                self._hurt(span.length)
-                return []
-
-        for span in self.spans[1:]:
-            yield span, partial(read, span)
-
-    def _unchunked(self, start_ns: int, end_ns: int) -> Iterator[Message]:
+            if not outside or span is self.spans[0]:  # the first chunk has the schemas
+                yield from (one for one in self._chunk(span) if start_ns <= one.log_ns <= end_ns)
         for record in self._messages:
-            try:
-                yield from (one for one in self._contents.read(record) if start_ns <= one.log_ns <= end_ns)
-            except DamagedError:
-                self._hurt(len(record))
+            yield from (one for one in self._read(record, len(record)) if start_ns <= one.log_ns <= end_ns)
+
+    def chunks(self) -> Iterator[tuple[Span, Callable[[], Iterator[Message]]]]:
+        """Yield each chunk after the first, which repeats older messages, with a function that reads its messages."""
+        for span in self.spans[1:]:
+            yield span, partial(self._chunk, span)
+
+    def _chunk(self, span: Span) -> Iterator[Message]:
+        try:
+            plain = chunks.opened(self._data, span)
+        except DamagedError:
+            self._hurt(span.length)
+            return
+        yield from self._read(plain, span.length)
+
+    def _read(self, plain: bytes, length: int) -> Iterator[Message]:
+        """Yield the messages of a part of the file that has this length, up to a damaged place."""
+        try:
+            yield from self._contents.read(plain)
+        except DamagedError:
+            self._hurt(length)
 
     def _scan(self) -> Iterator[Span]:
         data, size, at = self._data, self._size, len(MAGIC)
