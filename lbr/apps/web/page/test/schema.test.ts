@@ -2,7 +2,7 @@
 import "./stage";
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { changes, fieldsOf, kept, problems, read, shown, unitOf, writtenSince, type Schema } from "../src/views/system/schema";
+import { changes, fieldsOf, kept, problems, read, shown, titleOf, unitOf, writtenSince, type FieldOf, type Schema } from "../src/views/system/schema";
 
 const SCHEMA: Schema = {
   $ref: "#/$defs/Settings",
@@ -59,6 +59,11 @@ test("a number's unit stands beside it, and a text's name has none", () => {
   assert.deepEqual(unitOf({ name: "accel_per_s", kind: "number" }), { stem: "accel", unit: "/ s" });
   assert.deepEqual(unitOf({ name: "mode_s", kind: "text" }), { stem: "mode_s", unit: "" });
   assert.deepEqual(unitOf({ name: "max_power", kind: "number" }), { stem: "max_power", unit: "" });
+});
+
+test("a name in short words is shown in full ones", () => {
+  const named = (name: string): string => titleOf({ name, kind: "number", title: "", basic: "" } as FieldOf);
+  assert.deepEqual(["ttl_s", "accel_per_s", "camera_fov_deg", "max_power"].map(named), ["Lifetime", "Acceleration", "Camera field of view", "Max power"]);
 });
 
 test("what another wrote is shown beside mine, and stays where I changed nothing", () => {

@@ -32,8 +32,15 @@ export function unitOf(field: Pick<FieldOf, "name" | "kind">): { stem: string; u
 /** What the page says of a field that people ask for first, in its language; empty where it has no words for it. */
 const said = (field: Pick<FieldOf, "basic" | "name">, more = ""): string => (field.basic ? maybe(`setting.${field.basic}.${field.name}${more}`) : "");
 
-/** What people call a field: as the page says or it is declared, or else its name without its unit. */
-export const titleOf = (field: FieldOf): string => said(field) || field.title || capital(plain(unitOf(field).stem));
+/** The short words of names, in full. */
+const IN_FULL: Record<string, string> = {
+  accel: "acceleration", argv: "arguments", ca: "certificate authority", cors: "CORS", env: "environment", fov: "field of view", fps: "pictures a second", hz: "rate", id: "ID", imu: "inertial unit",
+  lsb: "counts", mag: "magnetometer", tls: "TLS", ttl: "lifetime", url: "address",
+};
+const inFull = (stem: string): string => plain(stem).replace(/[a-z]+/g, (word) => IN_FULL[word] ?? word);
+
+/** What people call a field: as the page says or it is declared, or else its name in full words, without its unit. */
+export const titleOf = (field: FieldOf): string => said(field) || field.title || capital(inFull(unitOf(field).stem));
 /** What a field is for; nothing where the page's title says it all. */
 export const helpOf = (field: FieldOf): string => said(field, ".help") || (said(field) ? "" : field.help);
 /** What people call a choice. */
