@@ -1,6 +1,6 @@
 """Zenoh sessions: one router in the executive, clients everywhere else; no scouting, nothing beyond what is named."""
 
-# ruff: noqa: E402 - the runtime reads its environment when the library loads
+# ruff: noqa: E402 - the library must not find a shell's settings
 
 import base64
 import json
@@ -12,12 +12,13 @@ from typing import Any
 # Few runtime threads are enough for a leaf process and save it latency and CPU; a router collapses with them. Received
 # messages have threads of their own: an answer given there waits for the sender, and would wait for itself. So threads
 # that read (rx) do not watch sockets (app, acc), though each message wakes two threads so. With both waiting to pass a
-# large message on, nothing was sent any more, and the link was given up.
+# large message on, nothing was sent any more, and the link was given up. What watches sockets also writes to them.
 # Two wake each other for each message. What moves or serves has two all the same: one may wait while a stop comes.
 LEAF_RUNTIMES = tuple(
     f"(rx: (worker_threads: {receivers}), acc: (handover: app), tx: (handover: app), net: (handover: app))"
     for receivers in (1, 2)
 )
+ROUTER_RUNTIME = "(tx: (handover: acc))"
 RUNTIME_VARIABLE = "ZENOH_RUNTIME"
 
 if os.environ.get(RUNTIME_VARIABLE) not in LEAF_RUNTIMES:
@@ -96,6 +97,7 @@ class Router(Struct, frozen=True, kw_only=True):
 
 def open_router(router: Router) -> Session:
     """Open a router; raise BusError if an endpoint is taken, or the router it hangs on does not answer."""
+    os.environ[RUNTIME_VARIABLE] = ROUTER_RUNTIME  # read when a process opens its first session
     with access.Dictionary(router.users) as dictionary:
         password = {"dictionary_file": dictionary.path} if router.users else {}
         return _open(router_settings(router, password), f"cannot listen on {', '.join(router.listen)}")
@@ -107,10 +109,8 @@ def router_settings(router: Router, password: dict[str, str] | None = None) -> d
         "mode": "router",
         "listen": {"endpoints": list(router.listen), "exit_on_failure": True},
     }
-    deaf_ms = DEAF_HERE_MS if router.limits is None else DEAF_AWAY_MS
-    settings["transport"]["link"]["tx"]["queue"] = {
-        "congestion_control": {"block": {"wait_before_close": deaf_ms * 1000}}
-    }
+    block = {"wait_before_close": 1000 * (DEAF_HERE_MS if router.limits is None else DEAF_AWAY_MS)}
+    settings["transport"]["link"]["tx"]["queue"] = {"congestion_control": {"block": block}}
     if router.id:
         settings["id"] = router.id
     if router.connect:

@@ -3,13 +3,17 @@ import struct
 import time
 
 import pytest
+from msgspec.structs import replace
 
 from lbr.capability.context import Device
 from lbr.drivers.infrared import KIND, decoders
+from lbr.drivers.infrared.capability import LOOKS_HZ, RESTING_HZ
 from lbr.drivers.infrared.receiver import Receiver
 from lbr.drivers.input_events import EVENT
 from lbr.errors import DeviceError
 from lbr.messages.dock import DockHeard
+from lbr.operations.drive.kernel import drive_state, first_state
+from lbr.operations.drive.settings import DriveSettings
 from lbr.testing import FakeCall
 from tests.drivers.peers import DriverContext, Pty
 from tests.support.waiting import until
@@ -138,3 +142,25 @@ def test_events_are_read_where_the_row_says_so(receiver):
     until(lambda: bool(found.extend(opened.poll()) or found))
     opened.close()
     assert [scancode.code for scancode in found] == [LEFT]
+
+
+STANDS = drive_state(first_state(DriveSettings()), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("drive", "rate_hz"),
+    [(STANDS, RESTING_HZ), (replace(STANDS, holder="page"), LOOKS_HZ), (replace(STANDS, moving=True), LOOKS_HZ)],
+)
+def test_it_looks_seldom_before_a_base_that_stands_and_that_nobody_holds(infrared, ctx, drive, rate_hz):
+    assert infrared.rate_hz == LOOKS_HZ
+    ctx.arrive("drive", drive)
+    infrared.step()
+    assert infrared.rate_hz == rate_hz
+
+
+def test_it_looks_often_once_the_drive_is_silent(infrared, ctx, monkeypatch):
+    ctx.arrive("drive", STANDS)
+    infrared.step()
+    monkeypatch.setattr("lbr.drivers.infrared.capability.RESTS_S", 0.0)
+    infrared.step()
+    assert infrared.rate_hz == LOOKS_HZ

@@ -6,8 +6,9 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from lbr.capability.kind import Kind, OnDevice
+from lbr.capability.kind import Kind, OnDevice, Wire
 from lbr.messages.dock import DockHeard, DockSignal
+from lbr.messages.drive import DriveState
 from lbr.messages.units import Name
 
 Beam = Literal["left", "right", "power"]
@@ -80,6 +81,9 @@ KIND = Kind(
     family="driver",
     entry="lbr.drivers.infrared.capability:Infrared",
     settings=InfraredSettings,
+    inputs={"drive": DriveState},
+    optional=("drive",),
+    wires={"drive": Wire("drive.state")},
     outputs={"signal": DockSignal},
     commands={"heard": DockHeard},
     device=OnDevice("infrared", recognised="lbr.drivers.infrared.recognition:HANDSHAKE"),

@@ -10,7 +10,10 @@ from lbr.drivers.infrared.records import ANY_PROTOCOL, Scancode
 from lbr.errors import DeviceError
 from lbr.messages.dock import DockSignal
 from lbr.messages.leases import CommandReply
+from lbr.messages.motors import RESTS_S
 
+LOOKS_HZ, RESTING_HZ = 20.0, 2.0
+"""The pace of its looks, and that before a standing base that nobody holds."""
 PUBLISH_S = 0.75
 SOONEST_S = 0.1
 RETRY_S = 1.0
@@ -23,7 +26,7 @@ class Infrared(Capability[InfraredSettings]):
     Without its receiver it is degraded, but still accepts sights from other programs.
     """
 
-    rate_hz = 20.0
+    rate_hz = LOOKS_HZ
 
     def __init__(self, ctx: Context[InfraredSettings]) -> None:
         super().__init__(ctx)
@@ -46,6 +49,9 @@ class Infrared(Capability[InfraredSettings]):
         if shown != self._published_beams or since_s >= PUBLISH_S or (self._new and since_s >= SOONEST_S):
             self._published_beams, self._published_at, self._new = shown, now, False
             self.ctx.publish("signal", signal)
+        drive = self.ctx.latest("drive")
+        base = drive.message if drive is not None and drive.age_s(now) <= RESTS_S else None
+        self.rate_hz = RESTING_HZ if base is not None and base.holder is None and not base.moving else LOOKS_HZ
 
     def command(self, call: Call) -> None:
         """Accept a beam seen by another program."""
@@ -62,20 +68,15 @@ class Infrared(Capability[InfraredSettings]):
 
     def _received(self) -> list[Scancode]:
         try:
-            if self._receiver is None:
-                self._open()
+            if self._receiver is None and self.ctx.clock() >= self._retry_at:
+                self._receiver = Receiver(self.device_row, self.ctx.settings)
+                self.ctx.ready()
             return self._receiver.poll() if self._receiver is not None else []
         except DeviceError as err:
             self.close()
             self._retry_at = self.ctx.clock() + RETRY_S
             self.ctx.warn(str(err), err.code)
             return []
-
-    def _open(self) -> None:
-        if self.ctx.clock() < self._retry_at:
-            return
-        self._receiver = Receiver(self.device_row, self.ctx.settings)
-        self.ctx.ready()
 
     def _take(self, scancode: Scancode) -> None:
         protocols = self.ctx.settings.protocols
@@ -93,14 +94,11 @@ class Infrared(Capability[InfraredSettings]):
 
     def _signal(self, now: float) -> DockSignal:
         ages_s = {beam: round(max(0.0, now - seen_at), 3) for beam, seen_at in self._seen_at.items()}
-
-        def counts(beam: Beam) -> bool:
-            return now - self._seen_at.get(beam, -inf) < self.ctx.settings.ttl_s
-
+        counts = {beam: ages_s.get(beam, inf) < self.ctx.settings.ttl_s for beam in BEAMS}
         return DockSignal(
-            left=counts("left"),
-            right=counts("right"),
-            power=counts("power"),
+            left=counts["left"],
+            right=counts["right"],
+            power=counts["power"],
             left_age_s=ages_s.get("left"),
             right_age_s=ages_s.get("right"),
             power_age_s=ages_s.get("power"),

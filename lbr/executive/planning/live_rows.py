@@ -31,7 +31,8 @@ from lbr.messages.rows import Row, by_table
 from lbr.messages.schema import JsonObject
 from lbr.messages.unreadable import UNREADABLE
 
-LOOK_S = 0.2
+LOOK_S, WAITS_S = 0.1, 0.1
+"""The pause after a look at the rows, and the wait for a turn that comes anyway."""
 LOOK_SHARE = 5.0
 """Reading takes at most a fifth of the main thread's time: slow reads are less frequent."""
 PROBLEMS_TOLD = 3
@@ -77,7 +78,7 @@ class LiveRows(Service):
         if now >= self._look_at:
             self.look()
             self._look_at = now + max(LOOK_S, LOOK_SHARE * (time.monotonic() - now))
-        return self._look_at
+        return self._look_at + WAITS_S
 
     def soon(self) -> None:
         """Look at the rows in the next turn, because this process has written some."""

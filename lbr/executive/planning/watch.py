@@ -7,6 +7,7 @@ from pathlib import Path
 from msgspec import Struct
 from msgspec.structs import replace
 
+from lbr import plugins
 from lbr.database import copies
 from lbr.database.reading import Problem
 from lbr.database.rows import RevisionRow, RobotRows
@@ -134,8 +135,9 @@ class RowWatch:
         return ", ".join(filter(None, (", ".join(said[:EDITS_TOLD]) + more, _tokens_edited(before, after))))
 
     def _marks(self, rows: RobotRows) -> dict[str, str]:
-        """Return the marks of the kinds in the rows; later looks compare with them, even if the rows are refused."""
-        self._named = frozenset(row.kind for row in rows.capabilities)
+        """Return the marks of users' kinds in the rows; later looks compare with them, even if the rows are refused."""
+        kinds = {row.kind for row in rows.capabilities}
+        self._named = frozenset(kind for kind in kinds if plugins.find("kinds", kind) is None)
         return self._kinds.marks(self._named)
 
     def _check_file(self) -> None:

@@ -93,7 +93,7 @@ class Process:
         self.culprit: Child | None = None
         """The capability that has ended the process."""
         self.quiet = self.runs = self.closed = False
-        """At the last look it had not ended (`runs`), nor reported anything (`quiet`)."""
+        """At the last look it had not ended (`runs`), nor reported anything that is still unread (`quiet`)."""
         self._children: dict[int, Child] = {}
         self._override = needs_override(config.places)
         self._running = running
@@ -155,7 +155,8 @@ class Process:
         """Hand every capability its reports."""
         self._rank.retry()
         self._send(b"")
-        for report in () if self.quiet else self._reports.take():
+        reports, self.quiet = () if self.quiet else self._reports.take(), True
+        for report in reports:
             if (child := self._children.get(report.number)) is None:  # it was released
                 continue
             child.take(report)

@@ -29,7 +29,6 @@ from lbr.executive.services import Service
 from lbr.messages.system import CapabilityStatus, EstopState
 from lbr.names import did_you_mean
 
-LOOK_S = 0.2
 NO_REAPER = "if the executive were killed now, frozen processes would be left; the one that ends them cannot be started"
 
 
@@ -65,7 +64,6 @@ class RobotProcesses(Service):
         at_once, poll = machine.at_once(), self._host.poll
         self.supervisor = Supervisor(self._start, journal.happened, present, learnt=learnt, at_once=at_once, poll=poll)
         self._overview = Overview(self.supervisor)
-        self._look_at = 0.0
 
     @property
     def reachable(self) -> bool:
@@ -92,11 +90,9 @@ class RobotProcesses(Service):
         due = now + self.supervisor.step()
         for text in self._doors.tidy(child.endpoint for _part, child in self.supervisor.children()):
             self._journal.happened("link_mended", EXECUTIVE, text, "warning")
-        if now >= self._look_at:
-            self._look_at = now + LOOK_S
-            self.external.prune({row.name for row in self._plan.rows.external_commands})
-            self._journal.trouble(NO_REAPER, self._reaper.step())
-        return min(due, self._look_at, self._hosts.step(now))
+        self.external.prune({row.name for row in self._plan.rows.external_commands})
+        self._journal.trouble(NO_REAPER, self._reaper.step())
+        return min(due, self._hosts.step(now))
 
     def shut_down(self, wait: Callable[[float], None]) -> None:
         """End all capabilities, motion first; `wait(seconds)` waits for news."""

@@ -384,10 +384,10 @@ class Supervisor:
 
     def _next(self, now: float) -> float:
         times = [part.due_at for part in self.parts.values() if part.due_at < inf and self._may_start(part)]
-        times += [part.kill_at for part, _ in self.children()]
-        if not self._busy.on:
-            times += [part.announce_at for part, _ in self.children()]
-        times += [_look_due(part) for part, _ in self.children() if part.spec.program is None and part.wanted]
+        for part, _ in self.children():
+            times += [part.kill_at, inf if self._busy.on else part.announce_at]
+            if part.spec.program is None and part.wanted:
+                times.append(_look_due(part))
         return max(0.0, min([1.0, *(due - now for due in times)]))
 
     def _announce(self, kind: str, part: Part, text: str, level: str, code: str | None = None) -> None:
