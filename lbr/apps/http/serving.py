@@ -7,6 +7,8 @@ import socket
 import ssl
 import time
 from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
 from typing import cast
 
 import uvicorn
@@ -17,7 +19,7 @@ from lbr.apps.http.connection import Connection, connection_of
 from lbr.apps.http.slots import LIMIT_S, Slot, Slots
 from lbr.errors import InputError
 
-LOOK_S = 0.2
+LOOK_S, IDLE_S = 0.2, 1.0
 LARGEST_MESSAGE = 16 * 1024
 PING_S, PONG_S = 10.0, 10.0
 GRACE_S = 1
@@ -62,14 +64,26 @@ class Server(uvicorn.Server):
         self.config.load()
         self.slots = Slots()
         self._plain_here = plain_here
+        self._wake: Callable[[], object] = lambda: None
         self._greeting: set[asyncio.Task[None]] = set()
 
     async def main_loop(self) -> None:
-        """Serve, and cut overdue connections, until `should_exit` is set."""
+        """Serve, and cut overdue connections, until `leave` is called. Without any, only the date is kept up."""
+        woken = asyncio.Event()
+        self._wake = partial(asyncio.get_running_loop().call_soon_threadsafe, woken.set)
         while not await self.on_tick(0):
             for slot in self.slots.overdue(time.monotonic()):
                 slot.cut()
-            await asyncio.sleep(LOOK_S)
+            with suppress(TimeoutError):
+                async with asyncio.timeout(LOOK_S if len(self.slots) else IDLE_S):
+                    await woken.wait()
+            woken.clear()
+
+    def leave(self) -> None:
+        """Have it end; may be called from any thread."""
+        self.should_exit = True
+        with suppress(RuntimeError):  # it has ended
+            self._wake()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Close all connections, WebSockets with a reason."""
@@ -83,12 +97,11 @@ class Server(uvicorn.Server):
     def admit(self, transport: asyncio.Transport) -> None:
         """Admit a new connection, and cut another for it if need be."""
         peer = transport.get_extra_info("peername")
-        slot = Slot(
-            names.peer_name(str(peer[0]) if peer else ""), transport.abort, transport.is_closing, time.monotonic()
-        )
-        victim = self.slots.enter(slot)
-        if victim is not None:
+        name = names.peer_name(str(peer[0]) if peer else "")
+        slot = Slot(name, transport.abort, transport.is_closing, time.monotonic())
+        if (victim := self.slots.enter(slot)) is not None:
             victim.cut()
+        self._wake()
         connection = Connection(self._app, self.config, self.server_state, self.slots)
         if self._tls is None:
             transport.set_protocol(connection)

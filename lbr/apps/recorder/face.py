@@ -9,8 +9,7 @@ from starlette.types import Receive, Scope, Send
 
 from lbr.apps.http.connection import connection_of
 from lbr.apps.http.turns import Turns
-from lbr.apps.recorder.recording.segments import in_use
-from lbr.apps.recorder.recording.shelf import Shelf, size_of
+from lbr.apps.recorder.recording.shelf import Shelf, in_use, size_of
 from lbr.apps.web.contract import Refuses
 from lbr.apps.web.face import Client, Face, Refused, get
 from lbr.apps.web.robot import Robot

@@ -41,7 +41,7 @@ class Serving:
     def stop(self) -> None:
         """End the server within a third of a second; requests under way then end with the process, as do its
         sockets."""
-        self._server.should_exit = True
+        self._server.leave()
         self._thread.join(JOIN_S)
 
     def _run(self) -> None:

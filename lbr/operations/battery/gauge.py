@@ -2,7 +2,6 @@
 
 from collections import deque
 from math import exp, inf, isfinite
-from statistics import median
 
 from lbr.messages.battery import BatteryLevel, BatteryState
 from lbr.messages.motors import MotorsState
@@ -45,7 +44,8 @@ class Gauge:
         self._terminal.take(voltage_v, now)
         if len(self._recent) < MEDIAN_LEAST:
             return
-        rest_v = self._rest.take(median(self._recent), now)
+        middle, ordered = len(self._recent) // 2, sorted(self._recent)
+        rest_v = self._rest.take((ordered[middle] + ordered[~middle]) / 2, now)
         self._charger.see(rest_v, moving=self._moved, now=now)
         self._moved = False
         self._level = self._next_level(rest_v)

@@ -66,7 +66,7 @@ def serving() -> Iterator[tuple[App, Server, int]]:
         yield app, server, port
     finally:
         app.go_on.set()
-        server.should_exit = True
+        server.leave()
         thread.join(5.0)
         assert not thread.is_alive()
 
@@ -153,7 +153,7 @@ def test_a_server_that_ends_finishes_what_it_answers_and_closes_what_is_idle():
         busy.sendall(request(b"GET", b"/late"))
         with socket.create_connection(("127.0.0.1", port), timeout=8) as idle:
             until(lambda: len(server.slots) == 2)
-            server.should_exit = True
+            server.leave()
             assert idle.recv(10) == b""
         app.go_on.set()
         found = b"".join(iter(lambda: busy.recv(65536), b""))

@@ -17,9 +17,8 @@ from lbr import home, plugins
 from lbr.apps.recorder.recording import export as exports
 from lbr.apps.recorder.recording import selection, shelf, times
 from lbr.apps.recorder.recording.chunks import Message
-from lbr.apps.recorder.recording.segments import in_use
 from lbr.apps.recorder.recording.selection import Chosen, Damage
-from lbr.apps.recorder.recording.shelf import Shelf
+from lbr.apps.recorder.recording.shelf import Shelf, in_use
 from lbr.commands.completing import items
 from lbr.commands.options import FileName, json_option, print_json
 from lbr.errors import InputError, LbrError

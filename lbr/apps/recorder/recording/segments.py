@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from lbr.apps.recorder.recording import chunks
+from lbr.apps.recorder.recording.shelf import sync_folder
 
 PRIVATE = 0o600
 
@@ -63,27 +64,3 @@ class Segment:
             with contextlib.suppress(OSError):
                 os.ftruncate(self._fd, begun)
             raise
-
-
-def sync_folder(path: Path) -> None:
-    """Sync the names in a folder to the disk."""
-    fd = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-    try:
-        os.fsync(fd)
-    finally:
-        os.close(fd)
-
-
-def in_use(path: Path) -> bool:
-    """Return whether a process is writing a file."""
-    try:
-        fd = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # opening a pipe without a writer would block
-    except OSError:
-        return False
-    try:
-        fcntl.flock(fd, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except OSError:
-        return True
-    finally:
-        os.close(fd)
-    return False

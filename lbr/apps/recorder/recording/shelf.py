@@ -8,6 +8,7 @@ Links cost nothing, and a file stays as long as one of its names does.
 """
 
 import contextlib
+import fcntl
 import os
 import re
 import time
@@ -17,7 +18,6 @@ from pathlib import Path
 import msgspec
 from msgspec import Struct
 
-from lbr.apps.recorder.recording.segments import in_use, sync_folder
 from lbr.messages.unreadable import UNREADABLE
 
 SUFFIX = ".mcap"
@@ -191,3 +191,27 @@ def _removed(path: Path) -> bool:
     except OSError:
         return False
     return True
+
+
+def sync_folder(path: Path) -> None:
+    """Sync the names in a folder to the disk."""
+    fd = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        os.fsync(fd)
+    finally:
+        os.close(fd)
+
+
+def in_use(path: Path) -> bool:
+    """Return whether a process is writing a file."""
+    try:
+        fd = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # opening a pipe without a writer would block
+    except OSError:
+        return False
+    try:
+        fcntl.flock(fd, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except OSError:
+        return True
+    finally:
+        os.close(fd)
+    return False

@@ -10,8 +10,8 @@ from mcap.reader import make_reader
 
 from lbr.apps.recorder.recording import chunks, reader, selection
 from lbr.apps.recorder.recording.chunks import Channel, Channels
-from lbr.apps.recorder.recording.segments import Segment, in_use
-from lbr.apps.recorder.recording.shelf import Shelf
+from lbr.apps.recorder.recording.segments import Segment
+from lbr.apps.recorder.recording.shelf import Shelf, in_use
 from lbr.errors import InputError
 from tests.support.segments import finished
 
