@@ -17,7 +17,7 @@ from lbr.commands.options import Number, complete_robot, database_option, json_o
 from lbr.commands.proposing import Proposal, propose
 from lbr.commands.recognised import Attached
 from lbr.commands.row_touched import Touching, change_rows
-from lbr.commands.rows import opened, robot_in, running_here
+from lbr.commands.rows import opened, robot_meant
 from lbr.database import changes, forms
 from lbr.database.proposals import Proposed
 from lbr.database.rows import CORE
@@ -110,7 +110,7 @@ class Looking:
             hint = f"there is no database {self._database}, so no rows are proposed: 'lbr db init' makes one"
             return Looked(robot="", devices=devices, proposals=[], hints=[*hints, hint])
         with opened(self._database) as rows:
-            robot = self._whose(rows)
+            robot = robot_meant(rows, self._robot)
             nodes = {end.path for end in (*attached.ends(), *ends)} | {device.address for device in devices}
             known, proposals = propose(rows.load(robot), self.kinds, devices, nodes, self._called)
             offers = [self._previewed(rows, robot, one) for one in proposals]
@@ -123,10 +123,6 @@ class Looking:
             changes += (each for each in one.changes if each not in changes)
         with opened(self._database) as rows:
             return self._change_rows(rows, robot, changes, dry_run=False)
-
-    def _whose(self, rows: Database) -> str:
-        running = [*running_here(rows.path)]
-        return robot_in(rows, running[0] if self._robot is None and len(running) == 1 else self._robot)
 
     def _previewed(self, rows: Database, robot: str, proposal: Proposal) -> Proposal:
         if not proposal.changes:

@@ -12,8 +12,8 @@ from lbr import home
 from lbr.capability import registry
 from lbr.commands.completing import complete_setting
 from lbr.commands.options import complete_robot, database_option, json_option, print_json, refuse_unknown
-from lbr.commands.rows import opened, running_here
-from lbr.commands.set import meant, parted
+from lbr.commands.rows import opened, robot_meant
+from lbr.commands.set import parted
 from lbr.database.rows import CapabilityRow
 from lbr.errors import InputError, LbrError
 from lbr.messages.plain import one_line
@@ -44,7 +44,7 @@ def command(setting: str, robot: str | None, database: Path | None, as_json: boo
     """Print a setting, all settings of a part, or the settings in the rows of all parts. 'lbr set' changes one."""
     part, name = parted(setting)
     with opened(database) as rows:
-        whose = meant(rows, robot, running_here(rows.path))
+        whose = robot_meant(rows, robot)
         parts = rows.load(whose).capabilities
     if part:
         refuse_unknown(part, (row.name for row in parts), whose)

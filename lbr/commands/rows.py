@@ -44,6 +44,12 @@ def robot_in(database: "Database", named: str | None = None) -> str:
     return usual if usual in names else names[0]
 
 
+def robot_meant(database: "Database", named: str | None = None) -> str:
+    """Return the named robot, the only one that runs from a database, or else as `robot_in` does."""
+    running = [*running_here(database.path)]
+    return robot_in(database, running[0] if named is None and len(running) == 1 else named)
+
+
 def running_here(path: Path) -> dict[str, Running]:
     """Return the robots that run from a database, by name."""
     return {one.robot: one for one in home.running() if _is_same(Path(one.database), path)}

@@ -1,7 +1,6 @@
 """`lbr set`."""
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -9,7 +8,7 @@ from lbr.commands.completing import complete_setting
 from lbr.commands.options import refuse_unknown
 from lbr.commands.row_past import Changing, change_options, tell
 from lbr.commands.row_touched import Touching, change_rows
-from lbr.commands.rows import opened, robot_in, running_here
+from lbr.commands.rows import opened, robot_meant
 from lbr.database import changes, edits
 from lbr.database.changes import Change
 from lbr.database.columns import json_strictly
@@ -17,9 +16,6 @@ from lbr.database.reading import RawTables
 from lbr.database.tables import Schema
 from lbr.errors import InputError
 from lbr.messages.rows import short
-
-if TYPE_CHECKING:
-    from lbr.database.store import Database
 
 
 @click.command("set", context_settings={"ignore_unknown_options": True})
@@ -38,7 +34,7 @@ def command(setting: str, value: str, how: Changing) -> int:
     if not name:
         raise InputError(f"'{short(setting)}' names no setting: say PART.SETTING, such as drive.max_power")
     with opened(how.database) as rows:
-        whose = meant(rows, how.robot, running_here(rows.path))
+        whose = robot_meant(rows, how.robot)
 
         def wanted(tables: RawTables, schema: Schema) -> tuple[Change, ...]:
             refuse_unknown(part, (row["name"] for row in tables["capability"] if row["robot"] == whose), whose)
@@ -56,12 +52,6 @@ def parted(setting: str) -> tuple[str, str]:
     """Return the part and the setting of `PART.SETTING`; the setting may be empty."""
     part, _, name = setting.partition(".")
     return part, name
-
-
-def meant(rows: "Database", robot: str | None, running: Iterable[str]) -> str:
-    """Return the robot that is meant: the named one, the only one that runs from these rows, or the default one."""
-    here = list(running)
-    return robot_in(rows, robot or (here[0] if len(here) == 1 else None))
 
 
 def _read(value: str) -> Any:
