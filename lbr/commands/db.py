@@ -73,7 +73,8 @@ def remove(robot: str, dry_run: bool, database: Path | None, as_json: bool) -> i
         removed = change_rows(
             rows, lambda now, of: changes.between(now, {}, of, robot), text, touching, dry_run=dry_run
         )
-    return row_past.tell(removed, f"'{robot}' is removed", dry_run=dry_run, as_json=as_json)
+    how = row_past.Changing(robot, expected=None, dry_run=dry_run, database=database, as_json=as_json)
+    return row_past.tell(removed, f"'{robot}' is removed", how)
 
 
 @command.command("check")

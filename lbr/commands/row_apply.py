@@ -33,11 +33,7 @@ def plan(source: Path, robot: str | None, database: Path | None, as_json: bool) 
     SOURCE is a file of SQL that edits rows, a copy of a database, or a folder of 'lbr db export'. Nothing is touched.
     Exit code 2 with problems.
     """
-    with opened(database) as rows:
-        touching = Touching(rows)
-        wanted = sources.wanted(source, rows.path, robot)
-        proposed = change_rows(rows, wanted, f"applied {source.name}", touching, dry_run=True)
-        return tell(proposed, "", dry_run=True, as_json=as_json, touched=touching.effects(), place=_place(source, rows))
+    return _apply(source, Changing(robot, expected=None, dry_run=True, database=database, as_json=as_json))
 
 
 @click.command("apply")
@@ -101,15 +97,8 @@ def _apply(source: Path, how: Changing, within_s: float | None = None) -> int:
         wanted, text = sources.wanted(source, rows.path, how.robot), f"applied {source.name}"
         proposed = change_rows(rows, wanted, text, touching, how.expected, within_s, dry_run=how.dry_run)
         trial = None if within_s is None or proposed.revision == proposed.before else _awaited(rows, proposed.revision)
-        code = tell(
-            proposed,
-            f"the rows are those of {source}",
-            dry_run=how.dry_run,
-            as_json=how.as_json,
-            touched=touching.effects(),
-            place=_place(source, rows),
-            trial=trial,
-        )
+        done, place = f"the rows are those of {source}", _place(source, rows)
+        code = tell(proposed, done, how, touched=touching.effects(), place=place, trial=trial)
     return code or (1 if trial is not None and trial.state != "kept" else 0)
 
 

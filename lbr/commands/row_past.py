@@ -116,7 +116,7 @@ def rollback(number: int, how: Changing) -> int:
     follows."""
     with opened(how.database) as rows:
         proposed = go_back(rows, number, how)
-    return tell(proposed, f"the rows are as at revision {number}", dry_run=how.dry_run, as_json=how.as_json)
+    return tell(proposed, f"the rows are as at revision {number}", how)
 
 
 @click.command("undo")
@@ -141,7 +141,7 @@ def undo(count: int, how: Changing) -> int:
         expected = changes[-1].last if how.expected is None else how.expected
         proposed = go_back(rows, mine[-count].first - 1, how._replace(expected=expected))
     which = "the newest change is" if count == 1 else f"the newest {count} changes are"
-    return tell(proposed, f"{which} taken back", dry_run=how.dry_run, as_json=how.as_json)
+    return tell(proposed, f"{which} taken back", how)
 
 
 COMMANDS = (history, rollback, undo)
@@ -173,17 +173,16 @@ def between(rows: "Database", first: int, second: int | None) -> tuple[Differenc
 def tell(
     proposed: Proposed,
     done: str,
+    how: Changing,
     *,
-    dry_run: bool,
-    as_json: bool,
     touched: tuple[Touched, ...] = (),
     place: Callable[[Problem], str] = str,
     trial: Trial | None = None,
 ) -> int:
     """Print the result of a proposal, and return the exit code: 2 if problems kept the rows unchanged."""
     differences = changes.differences(proposed.changes)
-    written = not (dry_run or proposed.problems or not proposed.changes)
-    if as_json:
+    written = not (how.dry_run or proposed.problems or not proposed.changes)
+    if how.as_json:
         print_json(
             {
                 "written": written,
@@ -207,7 +206,7 @@ def tell(
         click.echo(one_line(str(robot)))
     if not differences:
         click.echo("nothing differs: nothing was changed")
-    elif dry_run:
+    elif how.dry_run:
         click.echo(f"nothing was changed yet; the rows have revision {proposed.before}")
     elif trial is not None and trial.state != "kept":
         click.echo(

@@ -45,7 +45,7 @@ def command(setting: str, value: str, how: Changing) -> int:
         proposed = change_rows(rows, wanted, f"set {part}.{name}", touching, how.expected, dry_run=how.dry_run)
         touched = touching.effects()
     done = f"{part}.{name} is {short(value)}"
-    return tell(proposed, done, dry_run=how.dry_run, as_json=how.as_json, touched=touched)
+    return tell(proposed, done, how, touched=touched)
 
 
 def parted(setting: str) -> tuple[str, str]:
