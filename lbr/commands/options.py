@@ -63,29 +63,44 @@ class Whom(NamedTuple):
     token_file: Path | None
 
 
-def robot_options(function: F) -> F:
-    """Add --robot, --connect and --token-file; the command gets them as `whom`."""
+def together(name: str, kind: type[Any], *options: Callable[[Any], Any]) -> Callable[[F], F]:
+    """Return a decorator that adds these options; the command gets them as one `kind`, a named tuple, of this name."""
 
-    @click.option(
+    def added(function: F) -> F:
+        @wraps(function)
+        def with_one(*arguments: object, **given: Any) -> object:
+            one = kind(**{field: given.pop(field) for field in kind._fields})
+            return function(*arguments, **given, **{name: one})
+
+        for option in reversed(options):
+            with_one = option(with_one)
+        return with_one  # type: ignore[return-value]  # click calls it by names only
+
+    return added
+
+
+def complete_running(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Return the robots that run here, for completion."""
+    return [CompletionItem(one.robot, help=one.profile) for one in home.running() if one.robot.startswith(begun)]
+
+
+robot_options = together(
+    "whom",
+    Whom,
+    click.option(
         "--robot",
         metavar="NAME",
         shell_complete=complete_running,
         help="Which robot; the only one that runs here if left out.",
-    )
-    @click.option("--connect", metavar="ENDPOINT", help="Reach a robot elsewhere, such as tls/192.168.1.7:7447.")
-    @click.option(
+    ),
+    click.option("--connect", metavar="ENDPOINT", help="Reach a robot elsewhere, such as tls/192.168.1.7:7447."),
+    click.option(
         "--token-file",
         type=FileName(),
         metavar="FILE",
         help="Holds the token for --connect. Else it is LBR_TOKEN, a saved one, or asked for.",
-    )
-    @wraps(function)
-    def with_whom(
-        *arguments: object, robot: str | None, connect: str | None, token_file: Path | None, **others: object
-    ) -> object:
-        return function(*arguments, whom=Whom(robot, connect, token_file), **others)
-
-    return with_whom  # type: ignore[return-value]  # click calls it by names only
+    ),
+)
 
 
 def database_option(function: F) -> F:
@@ -111,11 +126,6 @@ def refuse_unknown(part: str, names: Iterable[object], robot: str) -> None:
     if part not in there:
         hint = did_you_mean(part, there)
         raise InputError(f"'{short(robot)}' has no part '{short(part)}'; {hint}", "unknown_name")
-
-
-def complete_running(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Return the robots that run here, for completion."""
-    return [CompletionItem(one.robot, help=one.profile) for one in home.running() if one.robot.startswith(begun)]
 
 
 def complete_robot(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:

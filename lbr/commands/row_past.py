@@ -3,15 +3,14 @@
 import time
 from collections.abc import Callable
 from datetime import datetime
-from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import click
 from click.shell_completion import CompletionItem
 from msgspec.structs import asdict
 
-from lbr.commands.options import F, complete_robot, database_option, json_option, print_json
+from lbr.commands.options import complete_robot, database_option, json_option, print_json, together
 from lbr.commands.row_touched import Touched, Touching, change_rows, end_left_trial
 from lbr.commands.rows import opened
 from lbr.database import changes, past
@@ -47,26 +46,21 @@ class Changing(NamedTuple):
     as_json: bool
 
 
-def change_options(function: F) -> F:
-    """Add --robot, --revision, --dry-run, --db and --json; the command gets them as `how`."""
-
-    @click.option("--robot", metavar="NAME", shell_complete=complete_robot, help="Change the rows of one robot alone.")
-    @click.option(
+change_options = together(
+    "how",
+    Changing,
+    click.option("--robot", metavar="NAME", shell_complete=complete_robot, help="Change the rows of one robot alone."),
+    click.option(
         "--revision",
         "expected",
         type=click.IntRange(0),
         metavar="N",
         help="Refuse if the rows have changed since this revision.",
-    )
-    @click.option("--dry-run", is_flag=True, help="Show the effects, and write nothing.")
-    @database_option
-    @json_option
-    @wraps(function)
-    def with_how(**given: Any) -> object:
-        how = Changing(**{name: given.pop(name) for name in Changing._fields})
-        return function(**given, how=how)
-
-    return with_how  # type: ignore[return-value]  # click calls it by names only
+    ),
+    click.option("--dry-run", is_flag=True, help="Show the effects, and write nothing."),
+    database_option,
+    json_option,
+)
 
 
 @click.command("history")

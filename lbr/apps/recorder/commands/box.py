@@ -1,12 +1,11 @@
 """`lbr box`: the contents of the black box, whether a robot runs or not."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from fnmatch import fnmatchcase
-from functools import wraps
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import NamedTuple
 
 import click
 from click.shell_completion import CompletionItem
@@ -20,11 +19,10 @@ from lbr.apps.recorder.recording.chunks import Message
 from lbr.apps.recorder.recording.selection import Chosen, Damage
 from lbr.apps.recorder.recording.shelf import Shelf, in_use
 from lbr.commands.completing import items
-from lbr.commands.options import FileName, json_option, print_json
+from lbr.commands.options import FileName, json_option, print_json, together
 from lbr.errors import InputError, LbrError
 from lbr.messages.plain import one_line
 
-F = TypeVar("F", bound=Callable[..., Any])
 AROUND_S = 10.0
 SHOWN_EVENTS = 20
 MB = 1_000_000
@@ -40,9 +38,7 @@ def complete_recording(_context: click.Context, _parameter: click.Parameter, beg
     return []
 
 
-def which_robot(function: F) -> F:
-    """Add --robot; the command receives it as `robot`."""
-    return click.option("--robot", metavar="NAME", help="Whose; the only one with recordings if left out.")(function)
+which_robot = click.option("--robot", metavar="NAME", help="Whose; the only one with recordings if left out.")
 
 
 class Excerpt(NamedTuple):
@@ -76,21 +72,15 @@ class Excerpt(NamedTuple):
         return start_ns, end_ns
 
 
-def excerpt_options(function: F) -> F:
-    """Add WHAT, --robot, --from, --to and --at; the command gets them as `excerpt`."""
-
-    @click.argument("recording", metavar="[WHAT]", required=False, default="", shell_complete=complete_recording)
-    @which_robot
-    @click.option("--from", "begin", metavar="TIME", help="From then on: 10m (ago), 14:02, 'yesterday 9:30'.")
-    @click.option("--to", "end", metavar="TIME", help="Until then; now if left out.")
-    @click.option("--at", "around", metavar="TIME", help=f"{AROUND_S:g} s before and after.")
-    @wraps(function)
-    def with_excerpt(
-        recording: str, robot: str | None, begin: str | None, end: str | None, around: str | None, **others: object
-    ) -> object:
-        return function(excerpt=Excerpt(recording, robot, begin, end, around), **others)
-
-    return with_excerpt  # type: ignore[return-value]  # click calls it by names only
+excerpt_options = together(
+    "excerpt",
+    Excerpt,
+    click.argument("recording", metavar="[WHAT]", required=False, default="", shell_complete=complete_recording),
+    which_robot,
+    click.option("--from", "begin", metavar="TIME", help="From then on: 10m (ago), 14:02, 'yesterday 9:30'."),
+    click.option("--to", "end", metavar="TIME", help="Until then; now if left out."),
+    click.option("--at", "around", metavar="TIME", help=f"{AROUND_S:g} s before and after."),
+)
 
 
 @click.group("box")
