@@ -64,9 +64,9 @@ export function together(newest: ReadonlyMap<string, Sample<JointsState>>): Join
 
 /** Joints at which nothing changes are shown again this often: less than what counts as old. */
 const STILL_MS = 1000;
-/** What readers see of joints: numbers to a thousandth, no ages. */
+/** What readers see of joints: numbers to a thousandth, no ages, nothing of the loop that measures them. */
 const visible = ({ state }: Joints): string =>
-  JSON.stringify({ ...state, sequence: 0, measured_s: 0 }, (field, value) => (field === "age_s" ? undefined : typeof value === "number" ? Math.round(1000 * value) : value));
+  JSON.stringify({ ...state, sequence: 0, measured_s: 0, loop: null }, (field, value) => (field === "age_s" ? undefined : typeof value === "number" ? Math.round(1000 * value) : value));
 
 /** All joints, drawn again when something about them is seen to change. */
 export function useJoints(streams: readonly string[], everyMs = 100): Joints | null {
