@@ -469,7 +469,7 @@ def page_robot(robot: Any = None, tls: tuple[str, str] | tuple[()] = ()) -> Iter
         yield robot, f"http{'s' if tls else ''}://127.0.0.1:{sock.getsockname()[1]}"
     finally:
         robot.closed = True
-        server.leave()
+        server.should_exit = True
         thread.join(5.0)
         sock.close()
         assert not thread.is_alive()
