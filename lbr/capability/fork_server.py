@@ -143,12 +143,12 @@ def wear(words: tuple[str, ...], mark: str) -> None:
 
 
 def prepare(kinds: Collection[str]) -> None:
-    """Find packages with components, import what lbr's own declare as kinds, and the code of `kinds`: it is shared."""
+    """Find packages with components, import lbr's own of these `kinds`, and their code near motion: it is shared."""
     plugins.entries()
-    for point in plugins.own("kinds"):
+    for point in (one for one in plugins.own("kinds") if one.name in kinds):
         with suppress(KindError):  # reported by the process that needs it
             kind = registry.declared(point)
-            if kind.name in kinds:
+            if kind.moves or kind.device:
                 kind.load()
 
 

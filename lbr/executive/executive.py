@@ -91,11 +91,11 @@ def run(
             )
         )
 
-    near_motion = {kind.name for kind in plan.kinds.values() if kind.moves or kind.device}
+    kinds = {kind.name for kind in plan.kinds.values()}
     with closing(Reaper()) as reaper:
         reaper.beat()
         with (
-            closing(ForkServer(reaper, robot, near_motion)) as forks,
+            closing(ForkServer(reaper, robot, kinds)) as forks,
             closing(Doors(plan, identity, main.wake)) as routers,
             connect() as bus,
         ):

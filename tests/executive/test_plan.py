@@ -10,13 +10,14 @@ from lbr.capability import registry
 from lbr.capability.kind import KindError, LackingError
 from lbr.database.rows import CapabilityRow, ChannelRow, DeviceRow, RobotRow, RobotRows, VerbRow
 from lbr.errors import InputError
-from lbr.executive.planning import machine, planner
+from lbr.executive.planning import joining, machine, planner
 from lbr.executive.planning import plan as plans
 from lbr.executive.planning.plan import Change
 from lbr.executive.planning.profile import Profile, load
 from lbr.messages.calibration import CalibrationValue, values
 from lbr.operations.attitude.compass import from_values
 from lbr.operations.attitude.geometry import times
+from lbr.robot import registry as robots
 from lbr.simulation.settings import WorldSettings
 from tests.support.packages import imported_from, package
 from tests.support.planning import SITE, planned, problems, shipped
@@ -37,6 +38,13 @@ def edited(rows, table, name, **fields):
 
 def with_device(rows, device):
     return replace(rows, devices=(*rows.devices, device))
+
+
+@pytest.mark.parametrize("robot", ["lbr", "bioloid", "uxa90"])
+def test_a_start_refuses_nothing_of_a_robot_that_ships_so_no_start_judges_it(robot):
+    found = robots.find(robot)
+    assert found is not None
+    assert not joining.fault(found)
 
 
 def test_the_shipped_robot_starts_world_drivers_then_drive(rows):

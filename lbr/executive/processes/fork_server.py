@@ -66,7 +66,7 @@ class Forked:
 class ForkServer:
     """Begins at once, and is replaced some time after it has died or did not answer. Its log is `NAME-forks.log`.
 
-    It imports the code of `kinds`, which then starts sooner and is in shared memory.
+    It imports `kinds`, and the code of those near motion, which then starts sooner and is in shared memory.
     """
 
     def __init__(self, reaper: Reaper, name: str, kinds: Collection[str] = ()) -> None:
