@@ -495,8 +495,9 @@ def test_a_robot_that_comes_back_is_found_again(opened, robot):
     page.context.set_offline(True)
     page.evaluate("1")
     expect(page.get_by_role("alert")).to_contain_text("lost", timeout=9000)
-    page.context.set_offline(False)
-    expect(page.locator('.linkdot[data-link="open"]')).to_be_visible(timeout=9000)
+    with page.expect_request("**/stream.mjpg*"):  # the picture, too, is of the robot that came back
+        page.context.set_offline(False)
+        expect(page.locator('.linkdot[data-link="open"]')).to_be_visible(timeout=9000)
     opened.errors.clear()  # the browser tells of each try
 
 

@@ -119,7 +119,7 @@ def test_a_row_that_changed_under_an_open_form_is_told_and_either_is_kept(page, 
     robot.edit("UPDATE capability SET help = ? WHERE robot = 'lbr' AND name = 'drive'", f"by another, {width}")
     form.get_by_text("Name, kind and start").click()
     form.get_by_label("help").fill("mine")
-    expect(form.get_by_text("was changed meanwhile")).to_be_visible(timeout=SLOWLY_MS)
+    expect(form.get_by_text("Another changed it meanwhile")).to_be_visible(timeout=SLOWLY_MS)
     form.get_by_role("button", name="Show the new row").click()
     expect(form.get_by_label("help")).to_have_value(f"by another, {width}", timeout=SLOWLY_MS)
     form.get_by_label("help").fill(f"mine after all, {width}")

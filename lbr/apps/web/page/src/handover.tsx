@@ -39,11 +39,14 @@ function handOver({ by, capability }: Asker): void {
 
 const allow = (agent: string): void => able("allow").forEach((owner) => void command(owner, "allow", { agent }));
 
-/** Who that is, as people say it: a page without a token is known by its address. */
+/** Who that is, as people say it: a page without a token is known by its address, a program by its machine. */
 export function named(source: string): string {
-  const name = source.replace(/^web:/, "");
+  const name = source.replace(/^web:/, "").replace(/@([^@:]+):\d+$/, " ($1)");
   return /^(127\.\d|::1$)/.test(name) ? t("hand.here") : name;
 }
+
+/** Whether a person ended a run on a page: then it did not fail. */
+export const byPage = ({ reason }: { reason: string }): boolean => /^stopped by web:|page$/.test(reason);
 
 onEvent.add(({ kind, code, data }) => {
   const { by, capability, agent } = (data ?? {}) as Partial<Asker> & { agent?: unknown };

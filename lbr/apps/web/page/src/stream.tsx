@@ -1,7 +1,7 @@
 // The robot's picture, by whichever way there is: that of a call, or MJPEG.
 import { useEffect, useRef, useState } from "preact/hooks";
 import { call, theirs } from "./call";
-import { clock, type Sample } from "./live";
+import { clock, onLink, type Sample } from "./live";
 import type { CameraState } from "./messages";
 import { Icon } from "./parts";
 import { t } from "./words";
@@ -45,7 +45,7 @@ export function Picture({ name }: { name: string }) {
   return byCall() ? <Film stream={theirs.value!} label={t("drive.camera.alt")} muted class="drive-picture" /> : <Stream key={name} name={name} />;
 }
 
-/** The newest pictures of one camera. A hidden page looks at none, for a stream goes on in the background otherwise. */
+/** The newest pictures of one camera. A hidden page looks at none, for a stream goes on in the background otherwise. A new link begins a new one: of a stream whose robot is gone, a browser keeps the last picture, and tells of no error. */
 function Stream({ name }: { name: string }) {
   const address = (): string => (document.hidden ? "" : `stream.mjpg?camera=${encodeURIComponent(name.replace(PREFIX, ""))}&at=${Date.now()}`);
   const [source, from] = useState(address);
@@ -57,8 +57,10 @@ function Stream({ name }: { name: string }) {
   }, [source]);
   useEffect(() => {
     const seen = (): void => { come(false); from(address()); };
+    const linked = (open: boolean): void => { if (open) seen(); };
     document.addEventListener("visibilitychange", seen);
-    return () => document.removeEventListener("visibilitychange", seen);
+    onLink.add(linked);
+    return () => { document.removeEventListener("visibilitychange", seen); onLink.delete(linked); };
   }, []);
   useEffect(() => {
     if (source !== "failed") return undefined;

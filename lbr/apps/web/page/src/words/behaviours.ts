@@ -21,6 +21,7 @@ export const behaviours = {
   "behaviours.doing": ["does: {doing}", "tut: {doing}"],
   "behaviours.result": ["the last command: {result}", "letzter Befehl: {result}"],
   "behaviours.ended.good": ["ended well in “{state}”", "gut beendet in „{state}“"],
+  "behaviours.ended.stopped": ["stopped in “{state}”", "angehalten in „{state}“"],
   "behaviours.ended.bad": ["failed in “{state}”: {reason}", "gescheitert in „{state}“: {reason}"],
   "behaviours.other": ["{table} runs", "{table} läuft"],
   "behaviours.show.it": ["Show it", "Zeigen"],

@@ -98,6 +98,7 @@ export const shell = {
   "refused.fallen": ["It has fallen. Get it up first.", "Er ist gestürzt. Erst aufstehen lassen."],
   "refused.lapsed": ["The link was too slow, so it stopped. Begin again.", "Die Verbindung war zu langsam, darum hält er. Neu beginnen."],
   "refused.late": ["The link was too slow, and nothing moved. Begin again.", "Die Verbindung war zu langsam, nichts hat sich bewegt. Neu beginnen."],
+  "refused.changed": ["Another changed it meanwhile.", "Inzwischen von anderer Hand geändert."],
   "refused.rest_first": ["Release first, then move again.", "Erst loslassen, dann neu bewegen."],
   "mend.on": ["Switch on", "Einschalten"],
   "joints.recover": ["Recover", "Zurücksetzen"],

@@ -2,6 +2,7 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { inWords, told } from "../../access";
 import { number, plain } from "../../format";
+import { byPage } from "../../handover";
 import { status } from "../../live";
 import { notice } from "../../notices";
 import { Badge, Button, Card, Dialog, Field, Segments } from "../../parts";
@@ -142,6 +143,7 @@ function useCame(at: string): string {
 function Progress({ run, of, mine, onPick }: { run: Run | null; of: string; mine: boolean; onPick: (name: string) => void }) {
   if (run === null || run.phase === "resting" || (run.table !== of && !run.called.includes(of))) return null;
   if (run.phase === "ended") {
+    if (byPage(run)) return <p><Badge icon="stop">{t("behaviours.ended.stopped", { state: run.state })}</Badge></p>;
     return <p><Badge tone={run.good ? "good" : "warn"} icon={run.good ? "check" : "warn"}>{t(run.good ? "behaviours.ended.good" : "behaviours.ended.bad", { state: run.state, reason: inWords(run) })}</Badge></p>;
   }
   if (!mine) return null;

@@ -7,7 +7,7 @@ import { illness, unwell } from "../../lacking";
 import { Mend } from "../../mend";
 import { notices } from "../../notices";
 import { number, percent, plain } from "../../format";
-import { named } from "../../handover";
+import { byPage, named } from "../../handover";
 import { holding } from "../../holding";
 import { clock, pace, useStream, type Pace } from "../../live";
 import type { BatteryState, DriveState } from "../../messages";
@@ -30,7 +30,7 @@ interface Told { drive: DriveState | null; fresh: boolean; run: Run | null; fail
 /** One looks at something else while a table runs. */
 const FAILED_MS = 60_000;
 /** A run that somebody ended on a page, or by the emergency stop, did not fail. */
-const failedBy = (run: Run): boolean => run.phase === "ended" && run.good === false && run.code !== "estop" && !/^stopped by web:|page$/.test(run.reason);
+const failedBy = (run: Run): boolean => run.phase === "ended" && run.good === false && run.code !== "estop" && !byPage(run);
 
 export function Why({ from }: { from: string }) {
   void clock.value;
