@@ -15,19 +15,29 @@ if TYPE_CHECKING:
 WINDOWED = "chromium"
 WINDOWLESS = "chromium-headless-shell"
 """Chromium without windows: with them, a page costs three times as much, most of it for the buttons around it."""
-ARGUMENTS = ("--no-sandbox", "--disable-gpu")
+ELSEWHERE = "robot.test"
+"""A name of this machine at which a browser counts as one on another machine."""
+ARGUMENTS = ("--no-sandbox", "--disable-gpu", f"--host-resolver-rules=MAP {ELSEWHERE} 127.0.0.1")
 AGAIN_MS = 20
 
 
 def start(playwright: "Playwright", *more: str) -> "Browser":
     """Start the one without windows where it is installed, or else Chromium; with `more` arguments instead of the usual."""
+    _be_patient()
     program = shutil.which(WINDOWLESS) or shutil.which(WINDOWED)
     return playwright.chromium.launch(executable_path=program, args=list(more or ARGUMENTS))
 
 
 def start_windowed(playwright: "Playwright", home: Path | None = None) -> "Browser":
     """Start Chromium as persons have it, for what the one without windows lacks."""
+    _be_patient()
     return playwright.chromium.launch(**windowed(home))
+
+
+def _be_patient() -> None:
+    from playwright.sync_api import expect
+
+    expect.set_options(timeout=HANG_S * 1000)
 
 
 def windowed(home: Path | None, *more: str) -> dict[str, Any]:

@@ -12,7 +12,7 @@ needs.modules("playwright", "aiortc")
 from playwright.sync_api import Browser, Page, expect, sync_playwright  # noqa: E402
 
 from tests.apps.call.call_robot import CallRobot  # noqa: E402
-from tests.apps.web.page_robot import page_robot  # noqa: E402
+from tests.apps.web.page_robot import page_robot, token  # noqa: E402
 from tests.apps.web.test_page_tasks import AXE, FOUND  # noqa: E402
 
 pytestmark = [needs.program("chromium", "chromium")]
@@ -56,12 +56,15 @@ class Opened:
         self._contexts: list[Any] = []
         self.errors: list[str] = []
 
-    def page(self, path: str = "/#call", *, devices: bool = True, init: str = "", **more: Any) -> Page:
+    def page(self, path: str = "/#call", *, by: str = "ann", devices: bool = True, init: str = "", **more: Any) -> Page:
+        """Open the robot's page by a token of that name, or as its owner."""
         given = {"locale": "en-GB", "viewport": {"width": 390, "height": 844}, **more}
         context = self._browser.new_context(permissions=["camera", "microphone"] if devices else [], **given)
         self._contexts.append(context)
         if init:
             context.add_init_script(init)
+        if by:
+            context.add_init_script(f"localStorage.setItem('lbr.token', '\"{token(by)}\"')")
         page = context.new_page()
         page.set_default_timeout(PATIENT_MS)
         page.on("pageerror", lambda err: self.errors.append(str(err)))
@@ -77,7 +80,7 @@ class Opened:
 def robot(served) -> Iterator[CallRobot]:
     found = served[0]
     yield found
-    found.role, found.away, found.camera_on = "admin", False, True
+    found.away, found.camera_on = False, True
 
 
 @pytest.fixture
@@ -103,12 +106,12 @@ def button(page: Page, name: str) -> Any:
 
 def test_one_button_calls_a_person_answers_and_the_display_shows_the_caller(opened, robot):
     robot.row(answer="ask")
-    display = opened.page("/display", viewport={"width": 1024, "height": 600})
+    display = opened.page("/display", by="", viewport={"width": 1024, "height": 600})
     expect(display.locator(".display-face")).to_be_visible()
     page = opened.page()
     button(page, "Call").click()
     told(page, "It rings at the robot")
-    expect(display.get_by_role("alert")).to_contain_text("ann at 192.0.2.7 calls")
+    expect(display.get_by_role("alert")).to_contain_text("ann at 127.0.0.1 calls")
     button(display, "Answer").click()
     told(page, "In a call")
     plays(page, ".call-stage video.drive-picture")
@@ -143,13 +146,12 @@ def test_a_second_caller_is_told_who_was_first_and_may_watch_and_a_third_gets_mj
     first = opened.page()
     button(first, "Call").click()
     told(first, "In a call")
-    robot.who = "eve"
-    second = opened.page(devices=False, locale="de-DE", viewport={"width": 1280, "height": 900})
-    expect(second.locator(".call-words")).to_contain_text("ann at 192.0.2.7 spricht gerade über den Roboter")
+    second = opened.page(by="tablet", devices=False, locale="de-DE", viewport={"width": 1280, "height": 900})
+    expect(second.locator(".call-words")).to_contain_text("ann at 127.0.0.1 spricht gerade über den Roboter")
     button(second, "Nur zusehen").click()
     told(second, "Sie sehen zu")
     plays(second, ".call-stage video.drive-picture")
-    third = opened.page(devices=False)
+    third = opened.page(by="", devices=False)
     button(third, "Only watch").click()
     expect(third.get_by_role("alert")).to_contain_text("2 get the picture by WebRTC already")
     expect(third.get_by_role("alert")).to_contain_text("The picture comes as MJPEG, without sound")
@@ -172,8 +174,7 @@ def test_a_process_that_is_gone_a_browser_without_webrtc_and_a_role_that_looks_g
     old = opened.page(init="delete window.RTCPeerConnection;")
     button(old, "Call").click()
     expect(old.get_by_role("alert")).to_contain_text("this browser has no WebRTC")
-    robot.role = "view"
-    looks = opened.page()
+    looks = opened.page(by="eve")
     expect(button(looks, "Call")).to_be_disabled()
     expect(looks.locator(".call-words")).to_contain_text("Your role only looks")
 

@@ -107,7 +107,8 @@ class Question:
 class StageBus:
     """Hears what a test says, and asks what a test answers: `answers` by key, `say` has a stream say something."""
 
-    def __init__(self) -> None:
+    def __init__(self, name: str = ROBOT) -> None:
+        self.name = name
         self.feeds: dict[str, list[Feed]] = {}
         self.asked: list[tuple[str, Any, str]] = []
         self.robot = described()
@@ -141,7 +142,10 @@ class StageBus:
         said: Any = payload.decode() if "@console" in key else json.loads(payload or b"null")
         self.asked.append((key, said, source))
         wake()
-        return Question(key, self.answers.get(key, _stops)(said))
+        return Question(key, self.reply(key, said))
+
+    def reply(self, key: str, said: Any) -> Any:
+        return self.answers.get(key, _stops)(said)
 
     def transport(
         self, source: str, keys: Mapping[str, str], wake: Callable[[], None], origin: stamp.Origin | None = None
@@ -151,8 +155,9 @@ class StageBus:
     def say(self, name: str, message: Any) -> None:
         """Publish on a key below the robot's name."""
         payload = message if isinstance(message, bytes) else encode(message)
-        for feed in self.feeds.get(f"{ROBOT}/{name}", ()):
-            feed.came.append(raw(f"{ROBOT}/{name}", payload))
+        key = f"{self.name}/{name}"
+        for feed in self.feeds.get(key, ()):
+            feed.came.append(raw(key, payload))
 
     def close(self) -> None:
         self.closed = True

@@ -1,31 +1,42 @@
-"""A robot as a page sees it: the page's files, the API and its live socket on a real port, with a base in a room.
+"""A robot as pages see it: the real server on a real port, over a bus on which a base in a room, and all else, answers."""
 
-What moves is held as the robot's server holds it: 0.25 s without a word, a socket that closes, a stop, and it stands.
-"""
-
-import asyncio
-import gzip
 import io
 import math
-import socket
+import os
+import sys
+import tempfile
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
-from functools import cache
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from typing import Any
+from unittest.mock import patch
 
-import uvicorn
+import msgspec
 from PIL import Image, ImageDraw
-from starlette.applications import Starlette
-from starlette.requests import Request
-from starlette.responses import JSONResponse, Response, StreamingResponse
-from starlette.routing import Route, WebSocketRoute
-from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from lbr.apps.web.page.files import INDEX, POLICY, File, built
+from lbr import home
+from lbr.apps.web.api import holds, live, patience
+from lbr.apps.web.api.link_age import LinkAge
+from lbr.apps.web.kind import WebSettings
+from lbr.bus.stamp import Origin
+from lbr.capability.context import Received
+from lbr.messages.camera import CameraState, JpegFrame
+from lbr.messages.description import BaseDescription, CapabilityDescription, CommandDescription, RobotDescription
+from lbr.messages.faces import EditReply
+from lbr.messages.leases import CommandReply
+from lbr.messages.manage import ManageReply
+from lbr.messages.pairing import PairReply
+from lbr.messages.system import CapabilityStatus, ConsoleResult, EstopState, Event, Status
+from tests.apps.web.api_stage import Lender, StageBus
+from tests.apps.web.test_web_access import FINGERPRINT, HASH, SECRET, user
+from tests.apps.web.web_stage import PendingReply, Served, Stage, serving
+from tests.support.browsers import ELSEWHERE
+from tests.support.waiting import until
 
-SILENT_S = 0.25
+PATIENT_S = 10.0
+"""How long the server waits for a page's word: nothing here is about that, and a busy machine starves browsers."""
+STATUS_S, STREAMS_S, ROUND_S = 0.5, 0.2, 0.02
 ROOM = (-1.6, 3.4, -1.7, 2.1)
 TOP_MPS, TOP_RPS = 0.9, 2.4
 SENSORS = {"forward": (0.2, 0.0, 0.0), "back": (-0.2, 0.0, math.pi), "left": (0.0, 0.15, math.pi / 2), "right": (0.0, -0.15, -math.pi / 2)}  # fmt: skip
@@ -36,19 +47,21 @@ def outputs(**types: str) -> dict[str, Any]:
     return {name: {"$ref": f"#/$defs/{kind}", "$defs": {kind: {"title": kind, "type": "object"}}} for name, kind in types.items()}  # fmt: skip
 
 
-def commands(*leased: str, **roles: str) -> dict[str, Any]:
-    return {name: {"schema": {}, "role": OPERATE, "leased": True} for name in leased} | {
-        name: {"schema": {}, "role": role, "leased": False} for name, role in roles.items()
+def commands(*, leased: Mapping[str, str] = {}, **roles: str) -> dict[str, CommandDescription]:
+    """Return commands: by their role, and, if `leased`, by their message."""
+    held = {
+        name: CommandDescription(schema={"title": kind}, role=OPERATE, leased=True) for name, kind in leased.items()
     }
+    return held | {name: CommandDescription(schema={}, role=role, leased=False) for name, role in roles.items()}  # type: ignore[arg-type]
 
 
-def capability(name: str, kind: str, summary: str, out: dict[str, Any], can: dict[str, Any]) -> dict[str, Any]:
-    told = {"name": name, "kind": kind, "family": "operation", "summary": summary, "phase": "ready", "reason": ""}
-    return told | {"outputs": out, "commands": can}
+def capability(name: str, kind: str, summary: str, out: dict[str, Any], can: dict[str, Any]) -> CapabilityDescription:
+    return CapabilityDescription(name=name, kind=kind, family="operation", summary=summary, outputs=out, commands=can)
 
 
+DRIVES = {"command": "DriveCommand", "turn": "TurnCommand", "heading": "HeadingCommand", "twist": "TwistCommand"}
 CAPABILITIES = [
-    capability("drive", "drive", "moves the base", outputs(state="DriveState", result="GoalResult"), commands("command", "turn", "heading", "twist", stop=VIEW)),
+    capability("drive", "drive", "moves the base", outputs(state="DriveState", result="GoalResult"), commands(leased=DRIVES, stop=VIEW)),
     capability("ranges", "ultrasonic_ring", "measures distances", outputs(readings="Ranges"), {}),
     capability("odometry", "odometry", "tells how far the base went", outputs(state="OdometryState"), {}),
     capability("attitude", "attitude", "tells where the body points", outputs(state="AttitudeState"), {}),
@@ -114,111 +127,181 @@ class Base:
         return min(reach)
 
 
-@cache
-def page_files() -> dict[str, File]:
-    """Return the page's files by name, packed once for all robots."""
-    return {one.name: one for one in built()}
+class Mover(Lender):
+    """Lends the robot's motion, and has the robot move by it."""
+
+    TTL_S = PATIENT_S
+
+    def __init__(self, robot: "PageRobot") -> None:
+        super().__init__()
+        self._robot = robot
+        self._last: Any = None
+
+    def ask(self, source: str, request: str, message: Any, origin: Origin | None = None) -> CommandReply | None:
+        to = request.partition("/")[2]
+        latched = CommandReply(accepted=False, code="estop", reason="the emergency stop is latched")
+        self.refusal = self._robot.refused or (latched if self._robot.estop else None)
+        if not message.get("lease"):
+            self.ended = None
+        reply = super().ask(source, request, message, origin)
+        if to.endswith("/stop"):
+            self._robot.halt()
+            return reply
+        plain = {name: value for name, value in message.items() if name not in {"lease", "ttl_s"}}
+        if self._last != (to, plain) or not message.get("lease"):
+            self._robot.held.append({"to": to, "message": plain})
+            self._last = to, plain
+            if reply is not None and reply.accepted:
+                self._robot.move(to, plain)
+        return reply
+
+    def end(self, cause: str, reason: str) -> None:
+        """End what is lent; who holds it reads why with its next word."""
+        if self.holder:
+            self.ended = CommandReply(accepted=False, code="dead_lease", cause=cause, reason=reason)  # type: ignore[arg-type]
+            self.holder = ""
+
+
+class PageBus(StageBus):
+    """The robot's bus as its server has it."""
+
+    def __init__(self, robot: "PageRobot") -> None:
+        super().__init__(robot.name)
+        self._robot = robot
+        self.lent = Mover(robot)
+
+    def reply(self, key: str, said: Any) -> Any:
+        return self._robot.reply(key.partition("/")[2], said)
+
+
+class PageStage(Stage):
+    """The server's process."""
+
+    def __init__(self, robot: "PageRobot", settings: WebSettings, users: tuple[Any, ...]) -> None:
+        super().__init__(settings, (*users, *robot.rows))
+        self._robot, self.robot, self.home = robot, robot.name, os.environ["LBR_HOME"]
+        self.wired |= {"pair", "call_ring", "call_keep"}
+        self.answer = robot.answer
+
+    def event(self, kind: str, text: str, *, level: str = "info", data: Any = None, code: str = "", about: str = "") -> None:  # fmt: skip
+        super().event(kind, text, level=level, data=data, code=code, about=about)
+        told = Event(kind=kind, subject=self.name, text=text, level=level, data=data or {}, code=code, about=about)  # type: ignore[arg-type]
+        self._robot.bus.say("@event", told)
+
+    def targets(self, request: str) -> tuple[str, ...]:
+        """Return who answers: `call` its own requests, and else the joints."""
+        return ("call",) if request.startswith("call_") else super().targets(request)
+
+    def ask(self, request: str, message: Any, timeout_s: float) -> PendingReply:
+        return PendingReply(*self.targets(request), super().ask(request, message, timeout_s).answers()["joints"])
+
+    def engage_estop(self, reason: str) -> None:
+        super().engage_estop(reason)
+        self._robot.asked.append(("estop", None))
+        self._robot.estop = reason
+        self._robot.stop("the emergency stop")
+
+    def show(self, camera: str, state: CameraState, picture: bytes) -> None:
+        """Have a camera report, and show its newest picture."""
+        self.bring("cameras", camera, state)
+        if state.on:
+            self.came["frames"] = [Received(JpegFrame(picture), None, time.monotonic(), camera)]
 
 
 class PageRobot:
-    """What the pages are told, and what they said; `refusal` refuses all motion."""
+    """What the pages are told, and what they asked for; `refusal` refuses all motion."""
 
-    capabilities = CAPABILITIES
+    name, capabilities, faces = "lbr", CAPABILITIES, ("page", "cameras")
+    rows: tuple[Any, ...] = ()
 
     def __init__(self) -> None:
+        self.bus = PageBus(self)
         self.base = Base()
-        self.role = "admin"
         self.asked: list[tuple[str, Any]] = []
         self.held: list[dict[str, Any]] = []
         self.refusal: dict[str, str] | None = None
         self.estop = ""
-        self.needs_token = False
         self.muted: set[str] = set()
-        self.drives_by: dict[str, Any] | None = None
-        """What it says of its base."""
         self.blind: dict[str, str] = {}
         """Statuses of sensors that say nothing of use."""
         self.lasts_s = 0.6
         """How long a move takes that ends by itself."""
-        self.stopped_at = self.moved_at = 0.0
-        self.holder: str | None = None
+        self.link_age_s = 0.03
+        """The age of what a hand drives by."""
+        self.moved_at = 0.0
         self.goal = ""
-        self.sockets = self.generation = 0
-        self.hears: list[list[str]] = []
-        self.closed = False
-        self.happened: list[dict[str, Any]] = []
-        self.news: list[dict[str, Any]] = []
-        self.stopped: set[Any] = set()
-        self.build = ""
-        """Which page the robot says that it has; empty: it does not say."""
-        self.altered: set[str] = set()
-        """Files that come as others than they were built."""
-        self.link: dict[str, Any] = {}
-        """What it says of the age of what a hand drives by."""
-        self.silent_s = SILENT_S
-        self.period_s = 0.04
+        self.served: Served | None = None
+        self.drives_by: dict[str, Any] | None = None
+        """What it says of its base; see `rebuild`."""
+        self._revision = 7
         self._pictures: dict[int, bytes] = {}
-        self._hold: tuple[Any, int] | None = None
         self._until = math.inf
 
     @property
     def moves(self) -> bool:
         return bool(self.base.left or self.base.right or self.base.aside)
 
-    def move(self, viewer: Any, hold: dict[str, Any]) -> dict[str, Any]:
-        """Begin or change motion; return what the page is told."""
-        n, message = hold["n"], hold["message"]
-        self.held.append(hold)
-        rests = {"code": "rest_first", "reason": "it was stopped: release it first"} if viewer in self.stopped else None
-        refused = (
-            self.refusal
-            or rests
-            or ({"code": "estop", "reason": "the emergency stop is latched"} if self.estop else None)
-        )
-        if refused:
-            return {"n": n, "holds": False, "code": "", "reason": "", "holder": "", **refused}
-        self._hold, self.holder = (viewer, n), "web:page"
+    @property
+    def holder(self) -> str | None:
+        return self.bus.lent.holder or None
+
+    @property
+    def refused(self) -> CommandReply | None:
+        return CommandReply(accepted=False, **self.refusal) if self.refusal else None  # type: ignore[arg-type]
+
+    @property
+    def sockets(self) -> int:
+        """How many pages look at it."""
+        assert self.served is not None
+        return len(self.served.web._api.feeds._wanted)  # type: ignore[union-attr]
+
+    def move(self, to: str, message: dict[str, Any]) -> None:
+        """Begin or change motion."""
         power, angle = message.get("power", 0.5), math.radians(message.get("angle_deg", 0.0))
-        if hold["to"] == "drive/twist":
+        self._until, self.goal, self.moved_at = math.inf, to.partition("/")[2], time.monotonic()
+        if self.goal == "twist":
             turn = message["wz_rps"] / MECANUM["max_turn_rps"]
             ahead, self.base.aside = (message[name] / MECANUM["max_speed_mps"] for name in ("vx_mps", "vy_mps"))
-            self._until, self.goal, self.moved_at = math.inf, "twist", time.monotonic()
             self.base.left, self.base.right = ahead - turn, ahead + turn
-            return {"n": n, "holds": True, "code": "", "reason": "", "holder": "web:page"}
-        if hold["to"] in {"drive/turn", "drive/heading"}:
+            return
+        if self.goal in {"turn", "heading"}:
             angle = math.copysign(math.pi / 2, message.get("angle_deg", 1.0))
+        if self.goal in {"turn", "heading"} or message.get("distance_cm"):
             self._until = time.monotonic() + self.lasts_s
-        elif message.get("distance_cm"):
-            self._until = time.monotonic() + self.lasts_s
-        else:
-            self._until = math.inf
-        self.goal = hold["to"].partition("/")[2]
         throttle, steering = math.cos(angle), math.sin(angle)
         scale = power / max(1.0, abs(throttle) + abs(steering))
         self.base.left, self.base.right = (throttle + steering) * scale, (throttle - steering) * scale
-        self.moved_at = time.monotonic()
-        return {"n": n, "holds": True, "code": "", "reason": "", "holder": "web:page"}
 
-    def halt(self, viewer: Any = None) -> int | None:
-        """Have the wheels stand if this viewer, or any, moves them; return the number of what was held."""
-        if self._hold is None or (viewer is not None and self._hold[0] is not viewer):
-            return None
-        n = self._hold[1]
-        self._hold, self.holder = None, None
-        if self.moves:
-            self.stopped_at = time.monotonic()
+    def halt(self) -> None:
+        """Have the wheels stand."""
         self.base.left = self.base.right = self.base.aside = 0.0
-        return n
+        self._until = math.inf
 
-    def holds(self, viewer: Any) -> bool:
-        return self._hold is not None and self._hold[0] is viewer
+    def stop(self, reason: str, cause: str = "stopped") -> None:
+        """Stop, whoever moves it; for another cause as well."""
+        self.bus.lent.end(cause, reason)
+        self.halt()
 
-    def hang_up(self) -> None:
-        """Have all sockets close, as those of a robot that ends."""
-        self.generation += 1
+    def lapse(self) -> None:
+        """Hear nothing of the page for too long."""
+        with patch.multiple(holds, SILENT_S=-1.0), patch.multiple(patience, SILENT_S=-1.0):
+            until(lambda: not self.moves)
 
-    def over(self) -> bool:
-        return time.monotonic() >= self._until
+    def close(self) -> None:
+        """End what it runs."""
+
+    def rebuild(self, base: dict[str, Any] | None) -> None:
+        """Say another base from now on."""
+        self.drives_by, self._revision = base, self._revision + 1
+        self.bus.robot = self.describe()
+        api = self.served.web._api if self.served is not None else None
+        until(lambda: api is None or (api.known is not None and api.known.robot.revision == self._revision))
+
+    def step(self) -> None:
+        """Let a moment pass."""
+        self.base.step(ROUND_S)
+        if time.monotonic() >= self._until:
+            self.stop("turned 90 degrees", "done")
 
     def streams(self) -> dict[str, Any]:
         base = self.base
@@ -244,21 +327,26 @@ class PageRobot:
             "camera_rear/state": {"on": False, "phase": "off", "device": "/dev/video2", "reason": "it is switched off"},
         }  # fmt: skip
 
-    def status(self) -> dict[str, Any]:
-        parts = [
-            {"name": one["name"], "kind": one["kind"], "phase": "degraded" if one["name"] == "speech" else "ready", "pid": 100, "restarts": 0, "uptime_s": 300.0,
-             "reason": "no loudspeaker: /dev/snd is not there" if one["name"] == "speech" else "", "rates_hz": dict.fromkeys(one["outputs"], 20.0), "cpu_percent": 1.7, "memory_mb": 31.0}
+    def status(self) -> Status:
+        parts = tuple(
+            CapabilityStatus(
+                name=one.name, kind=one.kind, phase="degraded" if one.name == "speech" else "ready", pid=100, restarts=0, uptime_s=300.0, cpu_percent=1.7, memory_mb=31.0,
+                reason="no loudspeaker: /dev/snd is not there" if one.name == "speech" else "", rates_hz=dict.fromkeys(one.outputs, 20.0),
+            )
             for one in self.capabilities
-        ]  # fmt: skip
-        estop = {"engaged": bool(self.estop), "reason": self.estop, "source": "web:page" if self.estop else "", "acknowledged": [], "waiting": ["motors"], "overdue": ["motors"], "text": OVERDUE if self.estop else ""}  # fmt: skip
-        return {"robot": "lbr", "profile": "lbr-sim", "ready": True, "pid": 1, "uptime_s": 300.0, "estop": estop, "capabilities": parts, "problems": [], "revision": 7}  # fmt: skip
+        )  # fmt: skip
+        late = (
+            {"waiting": ("motors",), "overdue": ("motors",), "text": OVERDUE, "source": "web:page"}
+            if self.estop
+            else {}
+        )
+        estop = EstopState(engaged=bool(self.estop), reason=self.estop, **late)  # type: ignore[arg-type]
+        return Status(robot=self.name, profile="lbr-sim", ready=True, pid=1, uptime_s=300.0, estop=estop, capabilities=parts, revision=self._revision)  # fmt: skip
 
-    def describe(self) -> dict[str, Any]:
+    def describe(self) -> RobotDescription:
+        base = BaseDescription(**self.drives_by) if self.drives_by else None
         ranges = [{"name": name, "kind": "ultrasonic", "x_m": x, "y_m": y, "yaw_rad": yaw, "fov_rad": 0.45, "max_m": 4.0} for name, (x, y, yaw) in SENSORS.items()]  # fmt: skip
-        return {
-            "robot": "lbr", "simulated": True, "version": "0.1.0", "revision": 7, "role": self.role, "capabilities": self.capabilities, "words": WORDS, "joints": [], "motions": [],
-            "cameras": [{"name": "front", "capability": "camera_front"}, {"name": "rear", "capability": "camera_rear"}], "wheels": [], "ranges": ranges, "buttons": [], "phrases": PHRASES, "base": self.drives_by,
-        }  # fmt: skip
+        return RobotDescription(robot=self.name, simulated=True, revision=self._revision, capabilities=tuple(self.capabilities), words=tuple(WORDS), ranges=tuple(ranges), phrases=tuple(PHRASES), base=base)  # fmt: skip
 
     def picture(self) -> bytes:
         """Return a plain picture of a corridor, as a JPEG."""
@@ -275,201 +363,117 @@ class PageRobot:
         image.save(kept, "JPEG", quality=80)
         return self._pictures.setdefault(shift, kept.getvalue())
 
-    # what is served
+    def reply(self, name: str, said: Any) -> Any:
+        """Answer what the server asks on the bus; nothing to what is not there."""
+        if name.startswith("@console"):
+            return self.line(said)
+        if name == "@manage":
+            return self.manage(said)
+        if said is None:
+            return self.streams().get(name) if name.partition("/")[0] not in self.muted else None
+        self.asked.append((name, said))
+        return self.command(name, said)
 
-    def application(self) -> Starlette:
-        post = ["POST"]
-        return Starlette(
-            routes=[
-                *self.more_routes(),
-                Route("/api", self._api),
-                Route("/api/pair", self._pair, methods=post),
-                Route("/api/{path:path}", self._command, methods=post),
-                WebSocketRoute("/api/live", self._live),
-                Route("/api/events", self._written),
-                Route("/api/why/{part}", self._why),
-                Route("/api/rows/{table}", self._rows),
-                Route("/stop", self._stop, methods=post),
-                Route("/estop", self._engage, methods=post),
-                Route("/estop/reset", self._reset, methods=post),
-                Route("/session", self._session, methods=["POST", "DELETE"]),
-                Route("/stream.mjpg", self._stream),
-                Route("/{path:path}", self._file),
-            ]
-        )
+    def command(self, name: str, given: dict[str, Any]) -> Any:
+        """Answer a command that holds nothing."""
+        del name, given
+        return CommandReply(accepted=True)
 
-    def more_routes(self) -> list[Route]:
-        """Return what it answers besides."""
-        return []
-
-    def _known(self, request: Request | WebSocket) -> bool:
-        shown = request.headers.get("authorization", "") + request.headers.get("sec-websocket-protocol", "")
-        return not self.needs_token or "phone.secret" in shown
-
-    async def _written(self, request: Request) -> Response:
-        old = {"kind": "crashed", "subject": "motors", "text": "crashed an hour ago", "level": "error", "wall_ns": 1}
-        hidden = request.query_params.get("subject", "motors") != "motors"
-        return JSONResponse({"accepted": True, "data": {"events": [] if hidden else [old]}})
-
-    async def _why(self, request: Request) -> Response:
-        part = request.path_params["part"]
-        if not self.estop:
-            return JSONResponse(
-                {"part": part, "state": "ok", "text": "Nothing is wrong: it waits for a command", "code": "", "do": ""}
+    def line(self, line: str) -> ConsoleResult:
+        """Answer a console line."""
+        if line == "stop":
+            self.asked.append(("stop", None))
+            self.stop("stopped by a page")
+        elif line.startswith("/why/"):
+            text = f"the emergency stop is latched by console@kitchen:812: {self.estop}"
+            why = {"state": "held", "text": text, "code": "estop", "do": "reset, once nothing is in danger"}
+            well = {"state": "ok", "text": "Nothing is wrong: it waits for a command", "code": "", "do": ""}
+            return ConsoleResult(
+                code=0, text="", data={"part": line.rpartition("/")[2], **(why if self.estop else well)}
             )
-        text = f"the emergency stop is latched by console@kitchen:812: {self.estop}"
-        do = "reset, once nothing is in danger"
-        return JSONResponse({"part": part, "state": "held", "text": text, "code": "estop", "do": do})
+        else:
+            self.asked.append(("console", {"line": line}))
+        return ConsoleResult(code=0, text="accepted")
 
-    async def _rows(self, request: Request) -> Response:
-        found = {"table": request.path_params["table"], "key": ["name"], "fixed": "", "schema": {}, "settings": {}}
-        return JSONResponse({"accepted": True, "data": {**found, "rows": []}})
+    def manage(self, said: dict[str, Any]) -> ManageReply:
+        """Answer about rows and events."""
+        if "table" in said:
+            found = {"table": said["table"], "key": ["name"], "fixed": "", "schema": {}, "settings": {}}
+            return ManageReply(accepted=True, data={**found, "rows": []})
+        now = time.time_ns()
+        events = [
+            {"kind": "ready", "subject": "drive", "text": "is ready", "level": "info", "wall_ns": now},
+            {"kind": "degraded", "subject": "speech", "text": "no loudspeaker: /dev/snd is not there", "level": "warning", "wall_ns": now, "code": "unreachable"},
+            {"kind": "crashed", "subject": "motors", "text": "crashed an hour ago", "level": "error", "wall_ns": 1},
+        ]  # fmt: skip
+        return ManageReply(accepted=True, data={"events": [one for one in events if said.get("subject", "") in {"", one["subject"]}]})  # fmt: skip
 
-    async def _api(self, request: Request) -> Response:
-        if not self._known(request):
-            return JSONResponse({"message": "show a token", "code": "token"}, 401)
-        return JSONResponse(self.describe())
+    def answer(self, request: str, message: Any) -> Any:
+        """Answer what the server asks by a port."""
+        if request == "pair":
+            self.asked.append((request, msgspec.to_builtins(message)))
+            if message.digits != "123456":
+                return PairReply(accepted=False, code="token", reason="these are not the digits that are shown")
+            return PairReply(accepted=True, token=token("phone"), name="phone", role=OPERATE, hash=HASH)  # type: ignore[arg-type]
+        if request == "estop_reset":
+            self.asked.append(("reset", None))
+            self.estop = ""
+        return EditReply(accepted=True) if request == "edit" else CommandReply(accepted=True)
 
-    async def _pair(self, request: Request) -> Response:
-        given = await request.json()
-        self.asked.append(("pair", given))
-        if given["code"] != "123456":
-            return JSONResponse({"message": "these are not the digits that are shown", "code": "denied"}, 403)
-        return JSONResponse({"token": "phone.secret.print", "role": OPERATE})
+    def live(self, over: threading.Event, stage: PageStage) -> None:
+        """Let time pass, and report, until that is over."""
+        streams = status = 0.0
+        while not over.wait(ROUND_S):
+            now = time.monotonic()
+            self.step()
+            if now >= streams:
+                streams = now + STREAMS_S
+                for name, message in self.streams().items():
+                    if name.partition("/")[0] not in self.muted:
+                        self.bus.say(name, message)
+            if now >= status:
+                status = now + STATUS_S
+                self.bus.say("@status", self.status())
+                self.look(stage)
 
-    async def _session(self, request: Request) -> Response:
-        known = "phone.secret" in request.headers.get("authorization", "") or request.method == "DELETE"
-        return Response(status_code=204) if known else JSONResponse({"message": "unknown", "code": "token"}, 401)
+    def look(self, stage: PageStage) -> None:
+        """Have the cameras see."""
+        stage.show("camera_front", CameraState(on=True, phase="streaming", device="/dev/video0"), self.picture())
 
-    async def _command(self, request: Request) -> Response:
-        given = await request.json()
-        self.asked.append((request.path_params["path"], given))
-        if (kind := {"ask": "asked_for", "hand_over": "handed_over"}.get(request.path_params["path"])) is not None:
-            self.happened.append({"kind": kind, "subject": "web", "text": "", "data": {"by": "web:tablet", **given}})
-        if request.path_params["path"] == "console":
-            return JSONResponse({"code": 0, "text": "accepted"})
-        return JSONResponse({"accepted": True})
 
-    async def _stop(self, _request: Request) -> Response:
-        self.asked.append(("stop", None))
-        self._tell_stopped("stopped by a page")
-        return JSONResponse({"message": "stopped"})
+def token(name: str) -> str:
+    """Return a token that the robot knows: `phone`, `tablet` and `ann` operate, `eve` looks."""
+    return f"{name}.{SECRET}.{FINGERPRINT}"
 
-    async def _engage(self, request: Request) -> Response:
-        self.asked.append(("estop", None))
-        self.estop = (await request.json()).get("reason", "")
-        self._tell_stopped("the emergency stop")
-        return JSONResponse({"message": "engaged", "engaged": True, "noticed": True})
 
-    async def _reset(self, _request: Request) -> Response:
-        self.asked.append(("reset", None))
-        self.estop = ""
-        return JSONResponse({"message": "released"})
-
-    def _tell_stopped(self, reason: str) -> None:
-        self.stopped |= {self._hold[0]} if self._hold else set()
-        if (n := self.halt()) is not None:
-            self.news.append({"n": n, "holds": False, "code": "stopped", "reason": reason, "holder": ""})
-
-    async def _stream(self, _request: Request) -> Response:
-        async def parts() -> Any:
-            while not self.closed:
-                yield b"--FRAME\r\nContent-Type: image/jpeg\r\n\r\n" + self.picture() + b"\r\n--FRAME\r\nContent-Type: image/jpeg\r\n\r\n" + self.picture() + b"\r\n"  # fmt: skip
-                await asyncio.sleep(0.2)
-
-        return StreamingResponse(parts(), media_type="multipart/x-mixed-replace; boundary=FRAME")
-
-    async def _file(self, request: Request) -> Response:
-        found = page_files().get(request.path_params["path"] or INDEX)
-        if found is None:
-            return JSONResponse({"message": "there is no such file", "code": "unknown_name"}, 404)
-        content = (found.plain or gzip.decompress(found.packed)) + b" " * (found.name in self.altered)
-        return Response(content, media_type=found.media, headers={"Content-Security-Policy": POLICY})
-
-    async def _live(self, socket: WebSocket) -> None:
-        if not self._known(socket):
-            await socket.close()
-            return
-        await socket.accept("lbr.live" if "lbr.live" in socket.headers.get("sec-websocket-protocol", "") else None)
-        if self.build:
-            await socket.send_json({"page": self.build})
-        viewer, heard = object(), {"keys": [], "last": time.monotonic()}
-        self.sockets += 1
-        telling = asyncio.create_task(self._tell(socket, viewer, heard))
-        try:
-            while True:
-                said = await socket.receive_json()
-                heard["last"] = time.monotonic()
-                if "hear" in said:
-                    heard["keys"] = said["hear"]
-                    self.hears.append(said["hear"])
-                if "hold" in said:
-                    await socket.send_json({"hold": self.move(viewer, said["hold"])} | self.link)
-                if said.get("release"):
-                    self.stopped.discard(viewer)
-                    self.halt(viewer)
-        except (WebSocketDisconnect, RuntimeError):
-            pass
-        finally:
-            self.sockets -= 1
-            self.halt(viewer)
-            telling.cancel()
-            with suppress(asyncio.CancelledError):
-                await telling
-
-    async def _tell(self, socket: WebSocket, viewer: object, heard: dict[str, Any]) -> None:
-        beat, news, generation, happened = 0, len(self.news), self.generation, len(self.happened)
-        while True:
-            if generation != self.generation:
-                await socket.close(1001)
-                return
-            if self.holds(viewer) and time.monotonic() - heard["last"] > self.silent_s:
-                self.news.append({"n": self.halt(viewer), "holds": False, "code": "lapsed", "reason": "the page fell silent", "holder": ""})  # fmt: skip
-            if self.holds(viewer) and self.over():
-                await socket.send_json({"hold": {"n": self.halt(viewer), "holds": False, "code": "done", "reason": "turned 90 degrees", "holder": ""}})  # fmt: skip
-            told = {key: {"age_ms": 4, "message": message} for key, message in self.streams().items() if key in heard["keys"] and key.partition("/")[0] not in self.muted}  # fmt: skip
-            if beat % 5 == 0:
-                told["@status"] = {"age_ms": 1, "message": self.status()}
-            await socket.send_json({"streams": told})
-            for one in self.news[news:]:
-                await socket.send_json({"hold": one})
-            if beat == 0:
-                started = {"kind": "ready", "subject": "drive", "text": "is ready", "level": "info", "wall_ns": time.time_ns()}  # fmt: skip
-                warned = {"kind": "degraded", "subject": "speech", "text": "no loudspeaker: /dev/snd is not there", "level": "warning", "wall_ns": time.time_ns(), "code": "unreachable"}  # fmt: skip
-                await socket.send_json({"events": [started, warned]})
-            if self.happened[happened:]:
-                await socket.send_json({"events": self.happened[happened:]})
-            news, beat, happened = len(self.news), beat + 1, len(self.happened)
-            await asyncio.sleep(self.period_s)
-
-    async def go_on(self) -> None:
-        """Let time pass in the room."""
-        while not self.closed:
-            self.base.step(0.02)
-            await asyncio.sleep(0.02)
+USERS = (user("tablet", OPERATE), user("ann", OPERATE), user("eve", VIEW))
 
 
 @contextmanager
-def page_robot(robot: Any = None, tls: tuple[str, str] | tuple[()] = ()) -> Iterator[tuple[Any, str]]:
-    """Serve such a robot, or one that is given, until the end of a `with`; yields it and its address. `tls` is key and certificate."""
+def page_robot(robot: Any = None, **settings: Any) -> Iterator[tuple[Any, str]]:
+    """Serve such a robot, or one that is given, until the end of a `with`; yields it and its address."""
     robot = robot or PageRobot()
-    sock = socket.create_server(("127.0.0.1", 0))
-    config = uvicorn.Config(robot.application(), log_level="error", lifespan="off", ws="websockets-sansio", timeout_graceful_shutdown=1, **dict(zip(("ssl_keyfile", "ssl_certfile"), tls, strict=False)))  # fmt: skip
-    server = uvicorn.Server(config)
-
-    async def run() -> None:
-        room = asyncio.create_task(robot.go_on())
-        await server.serve(sockets=[sock])
-        robot.closed = True
-        await room
-
-    thread = threading.Thread(target=lambda: asyncio.run(run()))
-    thread.start()
-    try:
-        yield robot, f"http{'s' if tls else ''}://127.0.0.1:{sock.getsockname()[1]}"
-    finally:
-        robot.closed = True
-        server.should_exit = True
-        thread.join(5.0)
-        sock.close()
-        assert not thread.is_alive()
+    over = threading.Event()
+    note = LinkAge.note
+    with ExitStack() as stack:
+        place = stack.enter_context(tempfile.TemporaryDirectory(prefix="lbr-"))
+        stack.enter_context(patch.dict(os.environ, {"LBR_HOME": place}))
+        home.directory("credentials")  # later the process may have the home of another robot
+        stack.enter_context(patch.multiple(holds, SILENT_S=PATIENT_S))
+        stack.enter_context(patch.multiple(patience, SILENT_S=PATIENT_S, BOUNDED_S=PATIENT_S))
+        stack.enter_context(patch.multiple(live, OLDEST_S=PATIENT_S))
+        stack.enter_context(patch.object(LinkAge, "note", lambda age, _age_s, now: note(age, robot.link_age_s, now)))
+        robot.bus.robot = robot.describe()
+        make = lambda settings, users: PageStage(robot, settings, users)  # noqa: E731
+        found = stack.enter_context(
+            serving(faces=robot.faces, users=USERS, bus=robot.bus, make=make, names=(ELSEWHERE,), requests_per_s=10_000.0, **settings)
+        )  # fmt: skip
+        robot.served = found
+        sys.setswitchinterval(0.005)  # the server's own, for two threads, costs the many of this process too much
+        living = threading.Thread(target=robot.live, args=(over, found.stage))
+        stack.callback(robot.close)
+        stack.callback(living.join)
+        stack.callback(over.set)
+        living.start()
+        until(lambda: found.web._api is not None and found.web._api.known is not None and found.web._api.phases)
+        yield robot, f"http{'s' if settings.get('tls') else ''}://127.0.0.1:{found.port}"

@@ -1,5 +1,6 @@
 """The page in a browser, on a phone's screen and a desk's: what a hand on it moves, and what stops when the hand is off."""
 
+import math
 import re
 import time
 from collections.abc import Iterator
@@ -7,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from tests.apps.web.page_robot import PageRobot, capability, outputs, page_robot
+from tests.apps.web.page_robot import PageRobot, capability, outputs, page_robot, token
 from tests.support import browsers, needs
 from tests.support.browsers import within
 from tests.support.waiting import STOPS_S, until
@@ -17,8 +18,8 @@ needs.modules("playwright")
 from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright  # noqa: E402
 
 pytestmark = [needs.program("chromium", "chromium")]
-PATIENT_S = 10.0
-"""How long the robot waits for a page's word where the test is not about that: a busy machine starves browsers."""
+REFUSED = ("401", "403", "HTTP Authentication failed")
+"""How a browser names what a page without a token asks for."""
 SIZES: dict[str, dict[str, Any]] = {
     "phone": {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True},
     "desk": {"viewport": {"width": 1280, "height": 800}},
@@ -64,14 +65,13 @@ def served() -> Iterator[tuple[PageRobot, str]]:
 @pytest.fixture
 def robot(served) -> Iterator[PageRobot]:
     found = served[0]
-    found.silent_s, found.period_s = PATIENT_S, 0.1
     found.asked.clear()
     found.held.clear()
     yield found
-    found.refusal, found.estop, found.needs_token, found.role = None, "", False, "admin"
-    found.drives_by, found.blind, found.lasts_s = None, {}, 0.6
+    found.refusal, found.estop, found.link_age_s = None, "", 0.03
+    found.blind, found.lasts_s = {}, 0.6
     found.muted.clear()
-    found.halt()
+    found.stop("the test is over")
 
 
 class Opened:
@@ -82,13 +82,18 @@ class Opened:
         self._contexts: list[BrowserContext] = []
         self.errors: list[str] = []
 
-    def page(self, size: str = "desk", path: str = "/#drive", **more: Any) -> Page:
+    def page(
+        self, size: str = "desk", path: str = "/#drive", *, at: str = "127.0.0.1", by: str = "", **more: Any
+    ) -> Page:
+        """Open the robot's page, at a name of the robot, by a token of that name."""
         context = self._browser.new_context(**(SIZES[size] | {"locale": "en-GB", "service_workers": "block"} | more))
         self._contexts.append(context)
         page = context.new_page()
+        if by:
+            page.add_init_script(f"localStorage.setItem('lbr.token', '\"{token(by)}\"')")
         page.on("pageerror", lambda err: self.errors.append(str(err)))
         page.on("console", lambda said: self.errors.append(said.text) if said.type == "error" else None)
-        page.goto(self._url + path)
+        page.goto(self._url.replace("127.0.0.1", at) + path)
         return page
 
     def blank(self) -> Page:
@@ -107,7 +112,7 @@ def opened(browser, served, robot) -> Iterator[Opened]:
     yield found
     found.close()
     assert until(lambda: robot.sockets == 0)
-    assert [one for one in found.errors if "401" not in one and "403" not in one] == []
+    assert [one for one in found.errors if not any(why in one for why in REFUSED)] == []
 
 
 def stands(page: Page, robot: PageRobot) -> bool:
@@ -148,8 +153,7 @@ def test_a_stick_that_is_still_held_goes_on_when_the_link_is_back(opened, robot)
     assert within(page, lambda: robot.moves)
     for _ in range(2):
         before = len(robot.held)
-        robot.news.append({"n": robot.halt(), "holds": False, "code": "lapsed", "reason": "silence", "holder": ""})
-        assert not robot.moves
+        robot.lapse()
         assert within(page, lambda before=before: len(robot.held) > before and robot.moves)
     page.mouse.up()
     assert within(page, lambda: not robot.moves)
@@ -357,6 +361,7 @@ def test_the_buttons_beside_a_table_that_runs_stay_while_it_moves_and_stands(ope
 
     robot.capabilities = [*names, capability("behaviour", "behaviour", "runs", outputs(state="BehaviourState"), {})]
     robot.streams = with_a_table
+    robot.rebuild(None)
     try:
         page = opened.page()
         line = page.locator(".drive-why")
@@ -373,13 +378,14 @@ def test_the_buttons_beside_a_table_that_runs_stay_while_it_moves_and_stands(ope
         assert gone == 0
     finally:
         robot.capabilities, robot.streams = names, streams
+        robot.rebuild(None)
 
 
 def test_a_code_for_a_phone_that_is_over_is_renewed_on_a_press(opened, robot):
     codes = iter(["123456", "654321", "111222"])
 
     def with_the_word(route):
-        told = robot.describe()
+        told = route.fetch().json()
         route.fulfill(
             json=told | {"words": [*told["words"], {"word": "phone", "help": "", "role": "admin", "usage": "phone"}]}
         )
@@ -463,12 +469,14 @@ def test_what_holds_the_base_still_is_the_robots_own_answer(opened, robot):
 
 
 def test_moves_that_end_by_themselves_are_kept_until_they_do(opened, robot):
+    robot.lasts_s = math.inf
     page = opened.page()
     page.get_by_role("button", name="Turn 90°", exact=True).click()
-    assert within(page, lambda: robot.moves and robot.held[-1] == {"to": "drive/turn", "message": {"angle_deg": 90}, "n": 1})  # fmt: skip
+    assert within(page, lambda: robot.moves and robot.held[-1] == {"to": "drive/turn", "message": {"angle_deg": 90}})
     page.wait_for_timeout(350)
     assert robot.moves
-    assert within(page, lambda: not robot.moves)
+    robot.stop("turned 90 degrees", "done")
+    expect(page.locator(".notice")).to_contain_text("turned 90 degrees")
     page.get_by_role("button", name="Dock").click()
     assert within(page, lambda: ("console", {"line": "autodock"}) in robot.asked)
 
@@ -502,8 +510,7 @@ def test_a_robot_that_comes_back_is_found_again(opened, robot):
 
 
 def test_who_is_unknown_pairs_by_six_digits_and_is_known_from_then_on(opened, robot):
-    robot.needs_token = True
-    page = opened.page("phone")
+    page = opened.page("phone", at=browsers.ELSEWHERE)
     expect(page.get_by_label("Six digits")).to_be_visible()
     expect(page.locator("#stop")).to_have_count(0)
     page.get_by_label("Six digits").fill("654321")
@@ -520,8 +527,7 @@ def test_who_is_unknown_pairs_by_six_digits_and_is_known_from_then_on(opened, ro
 
 
 def test_a_role_that_only_looks_moves_nothing_and_may_stop(opened, robot):
-    robot.role = "view"
-    page = opened.page()
+    page = opened.page(by="eve")
     expect(page.locator(".drive-why")).to_contain_text("may look and stop")
     grip(page)
     page.keyboard.down("w")
@@ -546,7 +552,7 @@ def test_each_view_fits_each_screen_and_all_in_it_has_a_name(opened, robot, view
 
 
 def test_who_wants_the_robot_asks_and_who_holds_it_hands_it_over(opened, robot):
-    holder, other = opened.page("phone"), opened.page()
+    holder, other = opened.page("phone"), opened.page(by="tablet")
     grip(holder)
     assert within(holder, lambda: robot.moves)
     other.get_by_role("button", name="Ask for it").click()

@@ -1,18 +1,19 @@
 """The page in a browser beyond the moment: kept on the device for when the robot is off, and never older than its robot."""
 
-import json
+import ssl
 from base64 import b64encode
 from collections.abc import Iterator
+from dataclasses import replace
 from hashlib import sha256
 
 import pytest
 from cryptography import x509
 from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
 
+from lbr.apps.web import capability
 from lbr.apps.web.page import files
-from lbr.bus import certificates
 from tests.apps.web.page_robot import page_robot
-from tests.apps.web.test_page_browser import PATIENT_S, Opened, grip
+from tests.apps.web.test_page_browser import Opened, grip
 from tests.support import browsers, needs
 from tests.support.browsers import within
 
@@ -62,12 +63,11 @@ def test_a_page_that_was_kept_says_that_its_robot_is_off(browser):
 
 
 def test_by_tls_a_page_is_kept_where_the_certificate_is_known_and_not_where_a_warning_was_passed(browser, tmp_path):
-    key, certificate = certificates.self_signed()
-    (tmp_path / "key").write_bytes(key)
-    (tmp_path / "crt").write_bytes(certificate)
-    public = x509.load_pem_x509_certificate(certificate).public_key()
-    known = b64encode(sha256(public.public_bytes(Encoding.DER, PublicFormat.SubjectPublicKeyInfo)).digest()).decode()
-    with page_robot(tls=(str(tmp_path / "key"), str(tmp_path / "crt"))) as (robot, url):
+    with page_robot(tls=True) as (robot, url):
+        certificate = ssl.get_server_certificate(("127.0.0.1", robot.served.port)).encode()
+        public = x509.load_pem_x509_certificate(certificate).public_key()
+        spki = public.public_bytes(Encoding.DER, PublicFormat.SubjectPublicKeyInfo)
+        known = b64encode(sha256(spki).digest()).decode()
         opened = Opened(browser, url)
         page = opened.page(service_workers="allow", ignore_https_errors=True)
         assert "SecurityError" in page.evaluate("() => navigator.serviceWorker.register('./worker.js').catch(String)")
@@ -87,9 +87,10 @@ def test_by_tls_a_page_is_kept_where_the_certificate_is_known_and_not_where_a_wa
         context.close()
 
 
-def test_a_file_that_is_not_the_one_that_was_built_is_not_kept(browser):
-    with page_robot() as (robot, url):
-        robot.altered.add("icon-192.png")
+def test_a_file_that_is_not_the_one_that_was_built_is_not_kept(browser, monkeypatch):
+    other = [replace(one, plain=one.plain + b" " * (one.name == "icon-192.png")) for one in files.built()]
+    monkeypatch.setattr(files, "built", lambda: other)
+    with page_robot() as (_, url):
         opened = Opened(browser, url)
         page = opened.page(path="/licences.md", service_workers="allow")
         assert page.evaluate(FAILS) == "redundant"
@@ -97,9 +98,9 @@ def test_a_file_that_is_not_the_one_that_was_built_is_not_kept(browser):
         opened.close()
 
 
-def test_a_page_that_is_behind_its_robot_loads_itself_once_and_then_moves_nothing(browser):
+def test_a_page_that_is_behind_its_robot_loads_itself_once_and_then_moves_nothing(browser, monkeypatch):
     with page_robot() as (robot, url):
-        robot.build, robot.silent_s = files.build(), PATIENT_S
+        port = robot.served.port
         opened = Opened(browser, url)
         page = opened.page()
         grip(page)
@@ -108,20 +109,25 @@ def test_a_page_that_is_behind_its_robot_loads_itself_once_and_then_moves_nothin
         assert within(page, lambda: not robot.moves)
         loads: list[str] = []
         page.on("load", lambda page: loads.append(page.url))
-        held, robot.build = len(robot.held), "of tomorrow"
-        robot.hang_up()
+    monkeypatch.setattr(capability, "build", lambda: "of tomorrow")
+    with page_robot(port=port) as (robot, _):
         sign = page.get_by_role("alert").filter(has_text="another version")
         expect(sign).to_be_visible(timeout=10_000)
         assert len(loads) == 1
         grip(page)
         expect(page.locator(".drive-why")).to_contain_text("another version")
         page.mouse.up()
-        assert (robot.moves, len(robot.held)) == (False, held)
+        assert (robot.moves, robot.held) == (False, [])
         page.locator("#stop").click()
         assert within(page, lambda: ("stop", None) in robot.asked)
-        robot.build = files.build()
+        loads.clear()
         sign.get_by_role("button", name="Load again").click()
+        assert within(page, lambda: loads)
+        expect(sign).to_be_visible()
+    monkeypatch.undo()
+    with page_robot(port=port) as (robot, _):
+        expect(sign).to_have_count(0)
         grip(page)
         assert within(page, lambda: robot.moves)
         opened.close()
-        assert opened.errors == [], json.dumps(opened.errors)
+    assert [one for one in opened.errors if "net::ERR" not in one] == []

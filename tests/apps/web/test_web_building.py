@@ -26,11 +26,7 @@ from tests.apps.web.asking import called  # noqa: E402
 from tests.apps.web.jointed_robot import rows_of  # noqa: E402
 
 ELBOW = Joint(name="left_elbow", device_id=6, side="left", lower_rad=-1.9, upper_rad=0.1, speed_rps=3.0)
-BIOLOID = msgspec.convert(
-    [{key: value for key, value in row.items() if value is not None} for row in rows_of("bioloid")["joint"]],
-    tuple[Joint, ...],
-    strict=False,
-)
+BIOLOID = tuple(row for row in rows_of("bioloid") if isinstance(row, Joint))
 STAND = (KeyFrame(positions={"left_elbow": -0.5, "right_elbow": 0.5}, duration_s=0.6),)
 TOPPLE = (KeyFrame(positions={"left_ankle_pitch": 0.8, "right_ankle_pitch": -0.8}, duration_s=0.5),)
 WAVE = Motion(name="wave", frames=STAND)

@@ -165,13 +165,14 @@ def serving(
     rows: Any = None,
     simulated: bool = True,
     bus: Any = None,
+    make: Callable[[WebSettings, tuple[Any, ...]], Stage] = Stage,
     **settings: Any,
 ) -> Iterator[Served]:
     """Serve faces with these settings until the end of a `with`; `rows` are a robot's, for faces that need them.
 
     `bus` is what the API has of the robot's.
     """
-    stage = Stage(WebSettings(**{"port": 0, "announce": False, **settings}), users)
+    stage = make(WebSettings(**{"port": 0, "announce": False, **settings}), users)
     stage.simulated = simulated
     if rows is not None:
         stage.given = (*users, *rows.joints, *rows.motors, *rows.buttons)
