@@ -47,6 +47,11 @@ class Crew:
         return child
 
     def says(self, number: int, phase: str, reason: str = "") -> None:
+        """Report, and have it looked at."""
+        self.writes(number, phase, reason)
+        self.process.quiet = False
+
+    def writes(self, number: int, phase: str, reason: str = "") -> None:
         os.write(self.writing, msgspec.json.encode(Report(number=number, phase=phase, reason=reason)) + b"\n")
 
     def orders(self) -> list[tuple[int, bool]]:
@@ -111,7 +116,7 @@ def test_processes_without_news_are_not_asked_and_every_news_is_seen_in_one_look
         ann, bob = one.start("ann", 1), two.start("bob", 2)
         host.poll()
         assert (one.process.quiet, two.process.quiet) == (True, True)
-        one.says(1, "ready")
+        one.writes(1, "ready")
         assert phases(ann) == []
         host.poll()
         assert (phases(ann), phases(bob)) == (["ready"], [])

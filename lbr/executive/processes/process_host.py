@@ -92,9 +92,8 @@ class Process:
         self.name = name
         self.culprit: Child | None = None
         """The capability that has ended the process."""
-        self.quiet: bool | None = None
-        self.runs = self.closed = False
-        """At the last look it had not ended (`runs`), and no report waits (`quiet`; None before the first look)."""
+        self.quiet = self.runs = self.closed = False
+        """At the last look it had not ended (`runs`), nor reported anything that is still unread (`quiet`)."""
         self._children: dict[int, Child] = {}
         self._override = needs_override(config.places)
         self._running = running
@@ -156,8 +155,7 @@ class Process:
         """Hand every capability its reports."""
         self._rank.retry()
         self._send(b"")
-        reports = () if self.quiet else self._reports.take()
-        self.quiet = self.quiet is not None or None
+        reports, self.quiet = () if self.quiet else self._reports.take(), True
         for report in reports:
             if (child := self._children.get(report.number)) is None:  # it was released
                 continue
