@@ -12,10 +12,10 @@ needs.modules("mujoco")
 
 from lbr.apps.motions.commands.work import done  # noqa: E402
 from lbr.errors import InputError  # noqa: E402
-from lbr.messages.joints import KeyFrame  # noqa: E402
+from lbr.messages.joints import Joint, KeyFrame, MotionRow, MotionStep, motions_of  # noqa: E402
 from lbr.messages.motion_work import Checked, CheckJob  # noqa: E402
 from lbr.simulation.humanoid.balance import FALLEN_RAD, hull, margin  # noqa: E402
-from tests.apps.web.jointed_robot import JointedRobot  # noqa: E402
+from tests.apps.web.jointed_robot import rows_of  # noqa: E402
 
 SIT = {"left_hip_pitch": 1.78, "left_knee": -2.4, "left_ankle_pitch": 0.9}
 SIT |= {name.replace("left", "right"): angle for name, angle in SIT.items()}
@@ -23,8 +23,12 @@ COORDINATES = st.floats(-5.0, 5.0, allow_nan=False)
 POINTS = st.lists(st.tuples(COORDINATES, COORDINATES), min_size=1, max_size=12)
 
 
+def rows(robot, kind):
+    return tuple(row for row in rows_of(robot) if isinstance(row, kind))
+
+
 def checked(robot, *frames, **more):
-    job = CheckJob(robot=robot, home="/nowhere", joints=tuple(JointedRobot(robot).joints), frames=frames, **more)
+    job = CheckJob(robot=robot, home="/nowhere", joints=rows(robot, Joint), frames=frames, **more)
     *_, last = done(job)
     assert isinstance(last, Checked)
     return last.report
@@ -57,7 +61,7 @@ def test_of_a_motion_that_does_not_stand_where_it_begins_no_fall_is_told():
 
 @pytest.mark.parametrize("name", ["sit", "walk_ahead"])
 def test_a_motion_that_comes_with_a_robot_leaves_it_upright(name):
-    known = {one.name: one for one in JointedRobot("bioloid").motions}
+    known = {one.name: one for one in motions_of(rows("bioloid", MotionRow), rows("bioloid", MotionStep))}
     motion = known[name]
     report = checked("bioloid", *motion.frames, lead_in=known[motion.lead_in].frames if motion.lead_in else ())
     assert (report.begins, report.falls_s) == (True, None)
@@ -83,8 +87,8 @@ def test_the_same_motion_has_the_same_report():
 
 
 def test_a_body_that_is_not_there_is_named():
-    joints = tuple(JointedRobot("bioloid").joints)
-    job = CheckJob(robot="nobot", home="/nowhere", joints=joints, frames=(frame(left_elbow=-0.5),))
+    frames = (frame(left_elbow=-0.5),)
+    job = CheckJob(robot="nobot", home="/nowhere", joints=rows("bioloid", Joint), frames=frames)
     with pytest.raises(InputError, match="there is no body 'nobot'"):
         list(done(job))
 
