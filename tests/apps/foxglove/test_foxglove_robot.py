@@ -37,13 +37,19 @@ PAGE = "https://app.foxglove.dev"
 TWIST = {"op": "advertise", "channels": [{"id": 1, "topic": "/cmd_vel", "encoding": "json", "schemaName": "Twist"}]}
 DRIVER = """
 import json, struct, sys, time
+from contextlib import suppress
 from websockets.sync.client import connect
 with connect(sys.argv[1], subprotocols=["foxglove.websocket.v1"]) as ws:
     ws.send(sys.argv[2])
     while True:
         ws.send(struct.pack("<BI", 1, 1) + json.dumps({"linear": {"x": 0.2}, "angular": {"z": 0.0}}).encode())
-        time.sleep(0.05)
+        with suppress(TimeoutError):
+            told = ws.recv(timeout=0.05)
+            if '"motion"' in str(told):
+                print(told, file=sys.stderr)
+                time.sleep(float(sys.argv[3]))
 """
+"""A stick that is let go once its motion is refused, and pushed again."""
 
 
 class Foxglove:
@@ -298,7 +304,7 @@ def test_a_stop_counts_although_its_client_leaves_with_its_last_byte(client, rob
 
 @pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGSTOP])
 def test_a_killed_or_frozen_client_leaves_nothing_moving(url, robot, end):
-    program = programs.start([sys.executable, "-c", DRIVER, url, json.dumps(TWIST)])
+    program = programs.start([sys.executable, "-c", DRIVER, url, json.dumps(TWIST), str(RESTS_S)])
     try:
         until(lambda: moves(robot), what="driving")
         os.kill(program.pid, end)

@@ -112,6 +112,17 @@ def test_a_hand_that_resumes_goes_on_after_a_silence(bench):
         assert (bench.lender.moving, last(hand).code) == (False, "lapsed")
 
 
+def test_a_hand_that_resumes_sends_again_what_came_late(bench):
+    hand = bench.hand(resumes=True)
+    bench.lender.refusal = CommandReply(accepted=False, code="late", reason="this command came 0.4 s after it was sent")
+    bench.want(hand, 1)
+    bench.run(ROUND_S, (hand, 1))
+    assert (bench.lender.moving, last(hand).code) == (False, "late")
+    bench.lender.refusal = None
+    bench.run(AGAIN_S + 2 * ROUND_S, (hand, 1))
+    assert bench.lender.moving
+
+
 @pytest.mark.parametrize("by", ["web:desk", "web:phone"])
 @pytest.mark.parametrize("silent_s", [0.0, 2 * SILENT_S])
 def test_a_hand_that_resumes_does_not_go_on_with_what_another_has_stopped_meanwhile(bench, silent_s, by):

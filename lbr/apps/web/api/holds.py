@@ -77,8 +77,8 @@ class Hand:
     - `may`: returns the reason why this page may not have a motion, or None.
     - `tell`: receives the news.
     - `whose`: the owner of the hand, in words.
-    - `resumes`: the hand continues a lapsed motion under the same number, dated by its first message. After a stop
-      since then the mover refuses it. Other pages receive the lapse as news, and begin again.
+    - `resumes`: the hand continues a motion that lapsed or came late under the same number, dated by its first message.
+      After a stop since then the mover refuses it. Other pages receive the news, and begin again.
     """
 
     def __init__(
@@ -121,7 +121,7 @@ class Hand:
 
     def over(self, why: Reason) -> bool:
         """Return whether the motion is over after an end for this reason."""
-        return why.code != "cancelled" and not (self.resumes and why.code == "lapsed")
+        return why.code != "cancelled" and not (self.resumes and why.code in {"lapsed", "late"})
 
 
 class Holds:
