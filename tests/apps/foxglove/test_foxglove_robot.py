@@ -49,7 +49,11 @@ with connect(sys.argv[1], subprotocols=["foxglove.websocket.v1"]) as ws:
                 print(told, file=sys.stderr)
                 time.sleep(float(sys.argv[3]))
 """
-"""A stick that is let go once its motion is refused, and pushed again."""
+
+
+def pushes(url, **how):
+    """A stick of another process, let go once its motion is refused, and pushed again."""
+    return programs.start([sys.executable, "-c", DRIVER, url, json.dumps(TWIST), str(RESTS_S)], **how)
 
 
 class Foxglove:
@@ -304,7 +308,7 @@ def test_a_stop_counts_although_its_client_leaves_with_its_last_byte(client, rob
 
 @pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGSTOP])
 def test_a_killed_or_frozen_client_leaves_nothing_moving(url, robot, end):
-    program = programs.start([sys.executable, "-c", DRIVER, url, json.dumps(TWIST), str(RESTS_S)])
+    program = pushes(url)
     try:
         until(lambda: moves(robot), what="driving")
         os.kill(program.pid, end)
@@ -393,7 +397,7 @@ def test_its_layout_names_only_what_there_is(client, url):
 
 
 def test_a_killed_bridge_leaves_nothing_moving_and_comes_back(url, robot):
-    program = programs.start([sys.executable, "-c", DRIVER, url, json.dumps(TWIST)], stderr=subprocess.DEVNULL)
+    program = pushes(url, stderr=subprocess.DEVNULL)
     try:
         until(lambda: moves(robot), what="driving")
         os.kill(robot.capability("foxglove")["pid"], signal.SIGKILL)
