@@ -2,6 +2,7 @@
 
 import threading
 import time
+from io import StringIO
 
 import pytest
 
@@ -110,7 +111,10 @@ def test_those_that_wait_are_one_only_if_the_same_source_says_the_same(robot, mo
     assert sorted(robot.begun[STOPPERS:]) == ["b", "c"]
 
 
-def test_an_answer_that_cannot_be_given_costs_no_thread(robot, capsys):
+def test_an_answer_that_cannot_be_given_costs_no_thread(robot, monkeypatch):
+    told = StringIO()
+    monkeypatch.setattr("sys.stderr", told)
+
     class Gone(Said):
         def reply(self, message, source):
             raise RuntimeError("the bus is gone")
@@ -121,10 +125,4 @@ def test_an_answer_that_cannot_be_given_costs_no_thread(robot, capsys):
     robot.over.set()
     (last,) = say(robot, "b")
     until(lambda: last.answered == DONE)
-    told = []
-    until(
-        lambda: (
-            told.append(capsys.readouterr().err)
-            or "".join(told).count("Error: the bus is gone") == robot.begun.count("a")
-        )
-    )
+    until(lambda: told.getvalue().count("Error: the bus is gone") == robot.begun.count("a"))
