@@ -8,6 +8,7 @@ that a restart ends no session; a reader of the file cannot sign in with it.
 import secrets
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from hashlib import blake2b
 from pathlib import Path
 
@@ -39,13 +40,17 @@ class Sessions:
         self._keys = {name: key.encode()[:64] for name, key in keys.items()}
 
     def begin(self, name: str, whose: str) -> str:
-        """Begin a session of a token for a user, as `peers.whose` names it; return its cookie."""
+        """Begin a session of a token for a user, as `peers.whose` names it; return its cookie.
+
+        A session that cannot be written ends with this process.
+        """
         cookie = secrets.token_urlsafe(32)
         self._ends = self._living()
         self._ends[_mark(name, self._keys.get(name, b""), whose, cookie)] = self._now() + LIFE_S
         while len(self._ends) > MOST:
             del self._ends[min(self._ends, key=lambda mark: self._ends[mark])]
-        self._write()
+        with suppress(InputError):
+            self._write()
         return cookie
 
     def find(self, cookie: str, whose: str) -> str:

@@ -1,6 +1,7 @@
 import pytest
 
 from lbr.apps.web.sessions import LIFE_S, MOST, Sessions, name_in
+from lbr.errors import InputError
 
 KEY = {"ann": "k" * 43}
 BOTH = KEY | {"bob": "b" * 43}
@@ -70,6 +71,16 @@ def test_a_file_that_is_broken_holds_no_session(path, clock, content):
     sessions = Sessions(path, KEY, clock)
     assert sessions._ends == {}
     assert knows(sessions, sessions.begin("ann", ME))
+
+
+def test_a_session_that_cannot_be_written_lasts_as_long_as_its_server_and_whoever_ends_it_is_told(tmp_path, clock):
+    (tmp_path / "full").write_text("")
+    sessions = Sessions(tmp_path / "full" / "navcam.sessions", KEY, clock)
+    cookie = sessions.begin("ann", ME)
+    assert knows(sessions, cookie)
+    with pytest.raises(InputError):
+        end(sessions, cookie)
+    assert not knows(sessions, cookie)
 
 
 def test_a_file_makes_no_session_longer_than_one_may_be(path, clock):
