@@ -66,12 +66,10 @@ class Walk:
         yield from robot.rows(self.now)
 
     def edited(self) -> Iterator[Link]:
-        """Yield the last edit of the rows that touched a part on the way, or only words, which have no process."""
+        """Yield the last edit of the rows that touched a part on the way, or a word that asks it."""
         for event in reversed(self.now.events):
             touched = event.data.get("touched")
-            if event.kind != "rows_changed" or not isinstance(touched, list):
-                continue
-            if not touched or self._seen.intersection(touched):
+            if event.kind == "rows_changed" and isinstance(touched, list) and self._seen.intersection(touched):
                 yield Link(
                     "rows",
                     "rows",

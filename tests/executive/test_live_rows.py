@@ -97,6 +97,8 @@ def test_a_word_is_a_row(robot):
     )
     reply = until(lambda: (said := robot.line("creep"))["code"] == 0 and said)
     assert reply["hold"]["payload"]["power"] == 0.1
+    (changed,) = (one for one in robot.events() if one["kind"] == "rows_changed" and "creep" in one["text"])
+    assert changed["data"]["touched"] == ["drive"]
     robot.line("stop")
     robot.edit("DELETE FROM verb WHERE word = 'creep'")
     until(lambda: robot.line("creep")["code"] == 2)

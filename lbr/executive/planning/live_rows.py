@@ -193,7 +193,9 @@ class LiveRows(Service):
             ("tell of its rows", change.follow),
         )
         done = "; ".join(f"{what} {', '.join(names)}" for what, names in steps if names)
-        touched = list(dict.fromkeys(name for _, names in steps for name in names))
+        old, new = before.rows.verbs, plan.rows.verbs
+        asked = sorted({verb.target_end[0] for verb in (*old, *new) if (verb in old) != (verb in new)})
+        touched = list(dict.fromkeys([*(name for _, names in steps for name in names), *asked]))
         text = f"{edited}: {done or 'no process is touched'}"
         self._happened("rows_changed", "executive", text, data={**self.adopted(), "touched": touched})
         self._trials.touching(change)

@@ -73,9 +73,8 @@ def _fault(kind: Kind, word: Word) -> str:
         else {field.name for field in structs.fields(kind.command(word.command).message)}
     )
     wrong = sorted({*pattern.fields, *word.fixed} - known_fields)
-    return (
-        f"{word.command} has no field '{wrong[0]}'; it has {', '.join(sorted(known_fields)) or 'none'}" if wrong else ""
-    )
+    has = ", ".join(sorted(known_fields)) or "none"
+    return f"{word.command} has no field '{wrong[0]}'; it has {has}" if wrong else ""
 
 
 def _brought(rows: RobotRows, kinds: Mapping[str, Kind]) -> Iterator[tuple[str, Word]]:
