@@ -4,12 +4,15 @@ from types import SimpleNamespace
 
 import pytest
 
+from lbr.bus import wire
 from lbr.bus.stamp import Origin
 from lbr.console.verbs import Vocabulary
 from lbr.database.rows import BUILT_IN_VERBS, ExternalCommandRow
 from lbr.errors import InputError
 from lbr.executive.planning.wiring import EXECUTIVE_ROLES, EXECUTIVE_VERBS
+from lbr.executive.service import dispatch
 from lbr.executive.service.dispatch import Dispatcher, Sender
+from lbr.messages.leases import CommandReply
 from lbr.messages.system import ConsoleResult, Role
 from tests.support.words import as_shipped
 
@@ -26,6 +29,36 @@ def test_a_robot_that_moves_nothing_says_so_when_it_is_stopped(wording):
         result = dispatcher.execute(line, Sender("console", "view"))
         assert result.code == 0
         wording(result.text)
+
+
+ENDS = CommandReply(accepted=False, reason="'drive' ends", code="shutting_down")
+DID = CommandReply(accepted=True, reason="stopped by ann")
+
+
+@pytest.mark.parametrize(
+    ("answers", "stop_s", "code"),
+    [([None, ENDS, DID], 60.0, "done"), ([None, None], 0.0, "unreachable"), ([ENDS, None], 0.0, "unreachable")],
+)
+def test_a_stop_asks_what_restarts_until_its_next_process_answers(monkeypatch, answers, stop_s, code):
+    left = iter(answers)
+
+    def asked(_bus, movers, *_, **__):
+        (key,) = movers
+        answer = next(left)
+        return [] if answer is None else [SimpleNamespace(key=key, payload=wire.encode(answer))]
+
+    monkeypatch.setattr(wire, "ask_all", asked)
+    monkeypatch.setattr(dispatch, "STOP_S", stop_s)
+    monkeypatch.setattr(dispatch, "AGAIN_S", 0.0)
+    drive = SimpleNamespace(name="drive", pid=7, phase="starting", reason="")
+    robot = SimpleNamespace(
+        plan=SimpleNamespace(robot="lamp", stoppable=lambda: ("drive",)),
+        vocabulary=Vocabulary([]),
+        status=lambda: SimpleNamespace(capabilities=(drive,)),
+    )
+    result = Dispatcher(robot, None, {}).execute("stop", Sender("ann", "view"))
+    assert result.reason_code == code
+    assert len(list(left)) == (0 if code == "done" else 1)
 
 
 def test_each_has_a_least_role():

@@ -42,15 +42,15 @@ from lbr.errors import MalformedError
 from lbr.leases.client import PendingReply
 from lbr.messages.codes import heard
 from lbr.messages.description import Schema
-from lbr.messages.leases import CommandReply, StopCommand
+from lbr.messages.leases import StopCommand
 from lbr.messages.system import ConsoleResult, EstopResetCommand
 
 STOPS = ("halt", "stop_motion")
 """The request ports for stops, first those of capabilities that move by themselves: once they stand, the robot does."""
 NOTICED_S = 0.5
-RESET_S, STOP_S = 3.0, 1.0
-AGAIN_S, RESTART_S = 0.1, 2.0
-"""The pauses between further stops of a capability that restarts, and their time in all."""
+RESET_S, STOP_S, LINE_S = 3.0, 1.0, 3.0
+AWAY = 503
+"""The status of a stop that was not answered."""
 HERE = "lbr.apps.web"
 _results = Decoder(ConsoleResult)
 
@@ -112,7 +112,7 @@ class BuiltinRoutes:
         """
         return encoded(self._states.encoded(self._robot.snapshot))
 
-    @post("/stop", stops=True, within_s=2 * (RESTART_S + STOP_S))
+    @post("/stop", stops=True, within_s=2 * (STOP_S + LINE_S))
     async def _stop(self, request: Request) -> Annotated[Message, Refuses({409: "The robot does not stop so."})]:
         """Stop: wheels stand, joints hold where they are."""
         # Requests during a round share the next one, so that each capability is asked at most once a round.
@@ -135,7 +135,7 @@ class BuiltinRoutes:
         """Ask all wired capabilities to stop; return why one does not.
 
         A capability that moves by itself answers once it stands. If one whose motion can be held here is not wired, the
-        console's stop is sent as well, which no row disables.
+        console's stop is sent as well, which no row disables. The same if one does not answer, as it may be restarting.
         """
         stop = StopCommand(reason=why[:200], whole=True)
         asked = {name: self._robot.ctx.ask(name, stop, STOP_S) for name in self._wired()}
@@ -143,39 +143,26 @@ class BuiltinRoutes:
         line = self._say_stop(source) if not self._lenders() <= wired else None
         if not asked and line is None:
             return Refused(503, "nothing that could be stopped is wired to this server by channel rows", code="wiring")
-        end = self._robot.now() + RESTART_S
-        for request, one in asked.items():
-            answers = await self._answers(request, stop, one, end)
-            refusals = [_refusal(name, answer) for name, answer in answers.items()]
-            if any(refusals):
-                return next(filter(None, refusals))
-            if request == STOPS[0]:
+        refused = None
+        for request, question in asked.items():
+            refused = await _refusal(question)
+            if refused is not None or request == STOPS[0]:
                 break  # all that moves stands; the capability that moved it may be restarting
+        if refused is not None and refused.status == AWAY and line is None:
+            line = self._say_stop(source)
+        if refused is not None and (refused.status != AWAY or line is None):
+            return refused
         if line is None:
             return None
         await until(lambda: line.done or bool(line.replies))
         return _unless_done(line)
-
-    async def _answers(
-        self, request: str, stop: StopCommand, asked: PendingReply, end: float
-    ) -> dict[str, CommandReply | None]:
-        """Return the answers. A process that ends stops its motion; until that time, the next one is asked."""
-        await until(lambda: asked.answers() is not None)
-        answers: dict[str, CommandReply | None] = dict(asked.answers() or {})
-        away = [name for name, one in answers.items() if one is None or one.code == "shutting_down"]
-        again_s = self._robot.now() + AGAIN_S
-        if not away or again_s > end:
-            return answers
-        await until(lambda: self._robot.now() >= again_s)
-        more = self._robot.ctx.ask(request, stop, STOP_S, only=away)
-        return answers | await self._answers(request, stop, more, end)
 
     def _lenders(self) -> frozenset[str]:
         return self._api.known.lenders if self._api.known is not None else frozenset()
 
     def _say_stop(self, source: str) -> PendingQuery | None:
         with suppress(Refused):  # there is no bus
-            return self._api.line(STOP, role="view", source=source, timeout_s=STOP_S)
+            return self._api.line(STOP, role="view", source=source, timeout_s=LINE_S)
         return None
 
     def _wired(self) -> list[str]:
@@ -241,19 +228,23 @@ class BuiltinRoutes:
         )
 
 
-def _refusal(name: str, answer: CommandReply | None) -> Refused | None:
-    """Return why a capability does not stop; None if it does."""
-    if answer is None:
-        return Refused(503, f"'{name}' does not answer", {"Retry-After": "1"})
-    return None if answer.accepted else Refused(409, answer.why)
+async def _refusal(asked: PendingReply) -> Refused | None:
+    """Return why a capability does not stop, a refusal before a silence; None if all do."""
+    await until(lambda: asked.answers() is not None)
+    answers = (asked.answers() or {}).items()
+    away = [name for name, one in answers if one is None or one.code == "shutting_down"]
+    said_no = [Refused(409, one.why) for name, one in answers if one and not one.accepted and name not in away]
+    silent = [Refused(AWAY, f"'{name}' does not answer", {"Retry-After": "1"}) for name in away]
+    return next(iter(said_no + silent), None)
 
 
 def _unless_done(question: PendingQuery) -> Refused | None:
     """Return why a console line failed; None if it succeeded."""
     if not question.replies:
-        return Refused(503, "the robot does not answer", {"Retry-After": "1"})
+        return Refused(AWAY, "the robot does not answer", {"Retry-After": "1"})
     try:
         result = _results.decode(question.replies[0].payload)
     except MalformedError as err:
         return Refused(503, str(err), code="malformed")
-    return None if result.code == 0 else Refused(409, heard(result.reason_code or "refused", result.text))
+    status = AWAY if result.reason_code == "unreachable" else 409
+    return None if result.code == 0 else Refused(status, heard(result.reason_code or "refused", result.text))

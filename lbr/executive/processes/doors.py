@@ -271,9 +271,8 @@ class Doors:
     def _look_across(self, hung: Hung) -> None:
         if not hung.crossing.broken():
             return
-        self._news.append(
-            "a link of the bus had broken and nothing passed over it any more; its router was opened again"
-        )
+        text = "a link of the bus had broken and nothing passed over it any more; its router was opened again"
+        self._news.append(text)
         self._wake()
         with contextlib.suppress(BusError):  # all is over before its socket is free
             hung.reopen(self._open_at_last)

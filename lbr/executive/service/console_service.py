@@ -118,9 +118,8 @@ class ConsoleService(Service):
         if is_stop(line):
             self._stops.put(request, line, role)
         elif not self._room.acquire(blocking=False):
-            request.reply(
-                ConsoleResult(code=1, text="too many lines at once; try again", reason_code="busy"), "executive"
-            )
+            busy = ConsoleResult(code=1, text="too many lines at once; try again", reason_code="busy")
+            request.reply(busy, "executive")
         else:
             try:
                 answered = self._talk.submit(self._answer, request, line, role, page)

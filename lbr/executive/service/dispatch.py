@@ -34,9 +34,13 @@ from lbr.why.chain import explain
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 STOPPED = "stopped"
+Outcome = tuple[str, bool]
+"""A text, and whether all is well."""
 MAX_RUN_S = 30.0
 BOUNDED_RUN_S = 86_400.0
 """A motion with an end of its own is held until then, unless its capability sets a limit."""
+STOP_S, AGAIN_S = 2.0, 0.1
+"""The time in which a stop is answered, and the pause before a mover that restarts is asked again."""
 MOST_LEASES = 256
 MOST_RECORDED = 200
 ROWS = "rows"
@@ -120,9 +124,8 @@ class Dispatcher:
             return ConsoleResult(code=FAILED, text=str(err), reason_code="failed")
         except Exception as err:  # noqa: BLE001 - a fault in one word must not silence the others
             traceback.print_exception(err)
-            return ConsoleResult(
-                code=FAILED, text=f"this word is broken: {type(err).__name__}: {err}", reason_code="failed"
-            )
+            text = f"this word is broken: {type(err).__name__}: {err}"
+            return ConsoleResult(code=FAILED, text=text, reason_code="failed")
 
     def greeting(self) -> str:
         """Return the greeting of the robot's own console, once all parts run."""
@@ -142,9 +145,8 @@ class Dispatcher:
         if by.is_recorded and RANKS[needed] > RANKS["view"]:
             self._robot.record("line", by.audit_name, line[:MOST_RECORDED])
         if isinstance(parsed, ExternalStop):
-            return ConsoleResult(
-                code=DONE, text=self._robot.stop_external(parsed.command.name, by.audit_name, by.source)
-            )
+            text = self._robot.stop_external(parsed.command.name, by.audit_name, by.source)
+            return ConsoleResult(code=DONE, text=text)
         if isinstance(parsed, ExternalCall):
             return self._robot.run_external(parsed, by.audit_name, by.origin, by.sent_s)
         if parsed.capability == EXECUTIVE:
@@ -168,9 +170,8 @@ class Dispatcher:
         lease = self._leases.get(by.holder(name), "") if moves else ""
         answer = self._query(call, payload | ({"lease": lease} if lease else {}), by)
         if lease and answer is not None and answer.get("code") == "dead_lease":
-            self._leases.pop(
-                by.holder(name), None
-            )  # the motion that we held is over; this line may begin a new one, with its own date
+            # The motion that we held is over; this line may begin a new one, with its own date.
+            self._leases.pop(by.holder(name), None)
             answer = self._query(call, payload, by)
         if answer is None:
             text = f"'{name}' did not answer; {self._why_silent(name)}"
@@ -236,16 +237,10 @@ class Dispatcher:
 
     def _stop(self, call: VerbCall, by: Sender) -> ConsoleResult:
         """Stop all motion at the same time: a mover that does not answer delays no other stop."""
-        robot = self._robot.plan.robot
-        movers = {keys.port(robot, name, STOP): name for name in self._robot.plan.stoppable()}
+        movers = {keys.port(self._robot.plan.robot, name, STOP): name for name in self._robot.plan.stoppable()}
         if not movers:
             return ConsoleResult(code=DONE, text="nothing of this robot moves by commands: there is nothing to stop")
-        payload = wire.encode(StopCommand(reason=str(call.payload.get("reason", "")), whole=True))
-        attachment = by.remote_stamp or stamp.make(by.source, 0, sent_s=by.sent_s)
-        answers = wire.ask_all(self._bus, movers, payload, source=by.source, timeout_s=2.0, attachment=attachment)
-        said = {movers[answer.key]: codec.decode(answer.payload) for answer in answers if answer.key in movers}
-        silent = [name for name in movers.values() if name not in said and self._has_process(name)]
-        outcomes = {name: _stopped(name, answer) for name, answer in said.items()}
+        outcomes, silent = self._stopped(movers, str(call.payload.get("reason", "")), by)
         texts = [
             *dict.fromkeys(text for text, _ in outcomes.values()),
             *(f"'{name}' did not answer; {self._why_silent(name)}" for name in silent),
@@ -255,8 +250,25 @@ class Dispatcher:
         code = "done" if good else "unreachable" if silent else "refused"
         return ConsoleResult(code=DONE if good else FAILED, text=text, reason_code=code)
 
-    def _has_process(self, name: str) -> bool:
-        return (found := self._status_of(name)) is not None and found.pid is not None
+    def _stopped(self, movers: Mapping[str, str], reason: str, by: Sender) -> tuple[dict[str, Outcome], list[str]]:
+        """Return how a stop ended at each mover, and the movers that did not answer.
+
+        A process that ends stops its motion. The next one is asked until it answers.
+        """
+        payload, end = wire.encode(StopCommand(reason=reason, whole=True)), time.monotonic() + STOP_S
+        attachment = by.remote_stamp or stamp.make(by.source, 0, sent_s=by.sent_s)
+        outcomes: dict[str, Outcome] = {}
+        while True:
+            asked = {key: name for key, name in movers.items() if name not in outcomes}
+            wait_s = end - time.monotonic()
+            came = wire.ask_all(self._bus, asked, payload, source=by.source, timeout_s=wait_s, attachment=attachment)
+            answers = {asked[one.key]: codec.decode(one.payload) for one in came if one.key in asked}
+            outcomes |= {name: how for name, answer in answers.items() if (how := _outcome(name, answer)) is not None}
+            running = {unit.name for unit in self._robot.status().capabilities if unit.pid is not None}
+            silent = [name for name in asked.values() if name in running - outcomes.keys()]
+            if not silent or time.monotonic() + AGAIN_S >= end:
+                return outcomes, silent
+            time.sleep(AGAIN_S)
 
     def _report(self, call: VerbCall, by: Sender) -> ConsoleResult:
         name = str(call.payload.get("name", "telemetry"))
@@ -309,9 +321,8 @@ class Dispatcher:
             with contextlib.redirect_stdout(printed):
                 value = _evaluate(code, self._namespace)
         except BaseException as err:  # noqa: BLE001 - whatever the operator typed, the console lives on
-            return ConsoleResult(
-                code=FAILED, text=f"{printed.getvalue()}{type(err).__name__}: {err}", reason_code="failed"
-            )
+            text = f"{printed.getvalue()}{type(err).__name__}: {err}"
+            return ConsoleResult(code=FAILED, text=text, reason_code="failed")
         text = printed.getvalue() + ("" if value is None else repr(value))
         return ConsoleResult(code=DONE, text=text.rstrip("\n"))
 
@@ -322,12 +333,14 @@ def _not_allowed(needed: Role, by: Sender) -> Reason | None:
     return Reason("role", f"this needs the role '{needed}', and you have '{by.role}'")
 
 
-def _stopped(name: str, answer: object) -> tuple[str, bool]:
-    """Return the result of a stop by one mover's answer, and whether it stopped."""
-    if isinstance(answer, dict) and answer.get("accepted"):
-        return str(answer.get("reason", "")) or STOPPED, True
-    reason = answer.get("reason") if isinstance(answer, dict) else None
-    return f"'{name}' did not stop: {reason or 'it gave no reason'}", False
+def _outcome(name: str, answer: object) -> Outcome | None:
+    """Return the text of one mover's answer to a stop, and whether it stopped; None if its process ends."""
+    reply = answer if isinstance(answer, dict) else {}
+    if reply.get("accepted"):
+        return str(reply.get("reason", "")) or STOPPED, True
+    if reply.get("code") == "shutting_down":
+        return None
+    return f"'{name}' did not stop: {reply.get('reason') or 'it gave no reason'}", False
 
 
 def _evaluate(code: str, namespace: dict[str, object]) -> object:

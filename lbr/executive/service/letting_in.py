@@ -24,6 +24,7 @@ AGAIN_S = 10.0
 """A server that listens elsewhere is a new process, which takes some seconds to start on a busy machine."""
 LOOK_S = 0.2
 OPERATE: Role = "operate"
+HOLD = "Hold the phone's camera at the picture, or type the address and the six digits there:"
 
 
 @dataclass(eq=False)
@@ -80,11 +81,7 @@ class LettingIn:
         }
         drawn, minutes = _drawn(way) if is_open and url else "", GOOD_FOR_S / 60
         lines = [
-            *(
-                ["Hold the phone's camera at the picture, or type the address and the six digits there:"]
-                if drawn
-                else ()
-            ),
+            *([HOLD] if drawn else ()),
             f"{code.digits[:3]} {code.digits[3:]}   at {_where(place)}",
             f"The code is good for {minutes:g} minutes and one device, which gets a token with the role '{role}'.",
             f"{WRONG_TRIES} wrong tries end it, as does another code.",
@@ -113,10 +110,8 @@ class LettingIn:
             return ConsoleResult(code=0, text=text)
         self.robot.listen_at(row.name, HERE, requester)
         self._settled(row.name, is_open=False)
-        text = (
-            f"'{row.name}' is closed: only this machine reaches it. Tokens stay; 'lbr token revoke NAME' takes one back"
-        )
-        return ConsoleResult(code=0, text=text)
+        text = f"'{row.name}' is closed: only this machine reaches it"
+        return ConsoleResult(code=0, text=f"{text}. Tokens stay; 'lbr token revoke NAME' takes one back")
 
     def _server(self) -> CapabilityRow:
         """Return the row of the server for people: of several, one that runs, or is named like its kind."""
@@ -166,10 +161,8 @@ def _honest(*, is_open: bool, tls: bool, own: bool, fingerprint: str) -> Iterato
             known = "A browser that does not know your certificate (credentials/web.crt) warns."
             yield f"{known} Its SHA-256 fingerprint is"
         else:
-            yield (
-                "The phone's browser warns once, because the robot made its certificate itself. "
-                "Go on if the SHA-256 fingerprint there is this one:"
-            )
+            warns = "The phone's browser warns once, because the robot made its certificate itself."
+            yield f"{warns} Go on if the SHA-256 fingerprint there is this one:"
         yield fingerprint
     elif is_open:
         yield "Nothing is encrypted ('clear_text' of its row): a machine in between reads the code and the token."
@@ -198,9 +191,7 @@ def _svg(url: str) -> str:
 
 
 def _place_data(place: dict[str, object] | None) -> dict[str, object]:
-    return (
-        {"url": place.get("url", ""), "open": place.get("open"), "tls": place.get("tls")} if place is not None else {}
-    )
+    return {"url": place.get("url", ""), "open": place.get("open"), "tls": place.get("tls")} if place else {}
 
 
 def _is_local(host: str) -> bool:

@@ -231,9 +231,8 @@ def flat(data: JsonObject) -> str:
 
 def _as_written(settings: dict[str, object]) -> str:
     """Return settings with the names and values of a row."""
-    return ", ".join(
-        f"{name} {value if isinstance(value, str) else json.dumps(value)}" for name, value in settings.items()
-    )
+    shown = {name: value if isinstance(value, str) else json.dumps(value) for name, value in settings.items()}
+    return ", ".join(f"{name} {value}" for name, value in shown.items())
 
 
 def _events_text(events: list[JsonObject]) -> str:

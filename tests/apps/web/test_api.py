@@ -396,3 +396,18 @@ def test_what_can_be_held_and_is_not_wired_to_a_stop_is_stopped_by_the_console(s
         assert served.ask("POST", "/stop").json == {"message": "stopped"}
     finally:
         served.stage.wired.update(REQUESTS)
+
+
+@pytest.mark.parametrize("away", [None, CommandReply(accepted=False, reason="'drive' ends", code="shutting_down")])
+def test_a_stop_of_what_restarts_is_the_consoles_which_asks_its_next_process(served, monkeypatch, away):
+    monkeypatch.setattr(served.stage, "targets", lambda _request: ("drive",))
+    line = (f"{CONSOLE}/view", "stop", "web:127.0.0.1")
+    assert served.ask("POST", "/stop").json == {"message": "stopped"}
+    assert line not in served.bus.asked
+    monkeypatch.setattr(served.stage, "answer", lambda _request, _message: away)
+    assert served.ask("POST", "/stop").json == {"message": "stopped"}
+    assert line in served.bus.asked
+    silent = ConsoleResult(code=1, text="'drive' did not answer; it is starting", reason_code="unreachable")
+    served.bus.answers[line[0]] = lambda _said: silent
+    answer = served.ask("POST", "/stop")
+    assert (answer.status, answer.json["code"]) == (503, "unreachable")

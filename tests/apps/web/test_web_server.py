@@ -18,7 +18,7 @@ from websockets.sync.client import connect
 
 from lbr import home, qr
 from lbr.apps.http import slots
-from lbr.apps.web import application, builtin
+from lbr.apps.web import application
 from lbr.apps.web.addresses import url
 from lbr.apps.web.advertised_address import AdvertisedAddress
 from lbr.apps.web.announce import Announcer
@@ -147,37 +147,11 @@ def test_a_refused_stop_says_why(served):
         served.stage.answer = lambda _request, _message: CommandReply(accepted=True)
 
 
-@pytest.mark.parametrize("away", [None, CommandReply(accepted=False, reason="'drive' ends", code="shutting_down")])
-def test_a_stop_of_what_restarts_is_answered_by_its_next_process(served, away):
-    served.stage.asked.clear()
-    came = iter([away, away])
-    served.stage.answer = lambda request, _message: (
-        next(came, CommandReply(accepted=True)) if request == "halt" else CommandReply(accepted=True)
-    )
-    try:
-        assert served.ask("POST", "/stop").json == {"message": "stopped"}
-    finally:
-        served.stage.answer = lambda _request, _message: CommandReply(accepted=True)
-    assert [request for request, _ in served.stage.asked] == ["halt", "stop_motion", "halt", "halt"]
-
-
-def test_a_stop_that_nothing_answers_is_told_once_a_restart_would_be_over(served, monkeypatch):
-    monkeypatch.setattr(builtin, "RESTART_S", 0.2)
-    served.stage.answer = lambda _request, _message: None
-    try:
-        answer = served.ask("POST", "/stop")
-        assert (answer.status, answer.said) == (503, "'joints' does not answer")
-    finally:
-        served.stage.answer = lambda _request, _message: CommandReply(accepted=True)
-
-
-def test_a_robot_that_does_not_answer_is_told(served):
-    served.stage.answer = lambda _request, _message: None
-    try:
-        answer = served.ask("POST", "/estop/reset")
-        assert (answer.status, answer.said) == (503, "'joints' does not answer")
-    finally:
-        served.stage.answer = lambda _request, _message: CommandReply(accepted=True)
+@pytest.mark.parametrize("path", ["/stop", "/estop/reset"])
+def test_a_robot_that_does_not_answer_is_told(served, monkeypatch, path):
+    monkeypatch.setattr(served.stage, "answer", lambda _request, _message: None)
+    answer = served.ask("POST", path)
+    assert (answer.status, answer.said) == (503, "'joints' does not answer")
 
 
 def test_the_emergency_stop_is_engaged_and_released(served, face):
