@@ -34,13 +34,15 @@ const SHOWN_ELSEWHERE = new Set(["held", "estop"]);
 const EXPECTED = new Set(["", "done", "idle", "superseded", "time_over"]);
 
 const state = signal<Holding>(RESTS);
+/** The robot refused, or ended, what a hand moves: it has to come to rest first, and the reason is shown until then. */
+export const refused = signal(false);
 /** What moves next takes over from who holds the robot. */
 const takesOver = signal(false);
 let played: { to: string; message: object } | null = null;
 let n = 0;
 let wanted = "";
-let told_ = "";
-let toldAt = 0;
+let sent = "";
+let sentAt = 0;
 let changedAt = 0;
 let steadyAt = 0;
 let beatAt = 0;
@@ -93,11 +95,11 @@ function beat(): void {
   if (silentMs() < STEADY_MS) steadyAt = now;
   if (beatAt && now - beatAt > AWAKE_MS) asleep = true;
   beatAt = now;
-  if (told_ && Math.max(now - toldAt, silentMs()) > (once ? PLAYING_MS : ASLEEP_MS)) return slept();
-  const changed = wanted !== told_;
+  if (sent && Math.max(now - sentAt, silentMs()) > (once ? PLAYING_MS : ASLEEP_MS)) return slept();
+  const changed = wanted !== sent;
   if (changed && now - changedAt >= CHANGE_MS) tell(now);
-  else if (!changed && now - toldAt >= KEEP_MS && send({ keep: n, ...heardTime() })) toldAt = now;
-  const due = (wanted === told_ ? toldAt + KEEP_MS : changedAt + CHANGE_MS) - performance.now();
+  else if (!changed && now - sentAt >= KEEP_MS && send({ keep: n, ...heardTime() })) sentAt = now;
+  const due = (wanted === sent ? sentAt + KEEP_MS : changedAt + CHANGE_MS) - performance.now();
   timer = setTimeout(beat, Math.max(1, due));
 }
 
@@ -105,8 +107,8 @@ function tell(now: number): void {
   const { to, message } = JSON.parse(wanted) as { to: string; message: object };
   if (!send({ hold: { to, message, n: ++n }, ...heardTime() })) return;
   begun = true;
-  told_ = wanted;
-  toldAt = changedAt = now;
+  sent = wanted;
+  sentAt = changedAt = now;
 }
 
 /** Takes the hand off because this page was asleep, or hears nothing. */
@@ -124,8 +126,8 @@ function release(): void {
   if (begun) send({ release: true });
   pace.value = null;
   begun = false;
-  wanted = told_ = "";
-  toldAt = changedAt = 0;
+  wanted = sent = "";
+  sentAt = changedAt = 0;
   if (state.value === RESTS) return;
   state.value = { ...RESTS, code: state.value.code, reason: state.value.reason, holder: state.value.holder };
   fade();
@@ -142,7 +144,7 @@ function heard(news: HoldNews): void {
 
 /** The robot stopped because the link was bad for a moment, and the hand is still there: it begins again, from rest. */
 function goOn(): void {
-  told_ = "";
+  sent = "";
   notice(t("link.back"), "info");
   beat();
 }
@@ -151,7 +153,7 @@ function goOn(): void {
 function end(news: HoldNews): void {
   clearTimeout(timer);
   active = false;
-  wanted = told_ = "";
+  wanted = sent = "";
   over = !once;
   state.value = { ...state.value, moving: false, holds: false, code: news.code, reason: news.reason, holder: news.holder };
   fade();
@@ -172,10 +174,10 @@ function takeOver(): void {
   if (again && takesOver.value) play(again.to, again.message);
 }
 
-/** Lets a reason go that is over; what was asked for stays, so that a hand that is still there has to come to rest first. */
+/** Lets a reason go that is over, once no hand has to rest for it; what was asked for stays, so that a hand that is still there has to come to rest first. */
 function fade(): void {
   const left = state.value;
-  setTimeout(() => { if (state.value === left) state.value = { ...RESTS, to: left.to }; }, left.code === "held" ? HELD_MS : SHOWN_MS);
+  setTimeout(() => { if (state.value === left && !refused.value) state.value = { ...RESTS, to: left.to }; }, left.code === "held" ? HELD_MS : SHOWN_MS);
 }
 
 /** Forgets the last refusal. */

@@ -2,7 +2,7 @@ import { doc, kept, now, pass, reloads, Socket, win } from "./stage";
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import { compare, noteBuild, outdated, unsaved } from "../src/build";
-import { holding } from "../src/holding";
+import { holding, refused, SHOWN_MS } from "../src/holding";
 import { connect, disconnect, link, pace, status } from "../src/live";
 
 const TO = "drive/command";
@@ -179,6 +179,20 @@ test("a refusal ends it until the hand has rested, and says who has it", () => {
   hold(n, { holds: false, code: "held", reason: "another has it", holder: "web:tablet" });
   assert.deepEqual({ ...holding.state.value, reason: "" }, { moving: false, to: TO, holds: false, code: "held", reason: "", holder: "web:tablet" });
   assert.ok(!holding.move(TO, { power: 0.4 }));
+});
+
+test("the reason of a refusal is shown until the hand that has to rest is off, and some seconds more", () => {
+  holding.move(TO, { power: 0.3 });
+  hold((said("hold")[0]!.hold as { n: number }).n, { holds: false, code: "obstacle", reason: "something is in the way" });
+  refused.value = true;
+  live(3 * SHOWN_MS);
+  assert.equal(holding.state.value.code, "obstacle");
+  holding.release();
+  refused.value = false;
+  live(SHOWN_MS / 2);
+  assert.equal(holding.state.value.code, "obstacle");
+  live(SHOWN_MS);
+  assert.equal(holding.state.value.code, "");
 });
 
 test("what cannot be read changes nothing, and a wall clock that jumps neither", () => {

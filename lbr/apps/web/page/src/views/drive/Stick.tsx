@@ -1,10 +1,11 @@
 // The joystick: a round field for one thumb. Who lifts the thumb, loses the page or the window, drives no more.
 import { useEffect, useRef } from "preact/hooks";
+import { refused } from "../../holding";
 import { may, role } from "../../robot";
 import { pace } from "../../live";
 import { DEAD } from "../../stick";
 import { t } from "../../words";
-import { hand, push, refused, sideways } from "./pilot";
+import { hand, push, sideways } from "./pilot";
 import { follow as followTilt, tilts } from "./tilt";
 
 export function Stick() {

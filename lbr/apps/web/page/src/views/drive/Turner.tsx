@@ -1,10 +1,11 @@
 // A second control for a base that goes sideways: a bar for another thumb, which turns it and springs back.
 import { useEffect, useRef } from "preact/hooks";
+import { refused } from "../../holding";
 import { Icon } from "../../parts";
 import { may } from "../../robot";
 import { DEAD } from "../../stick";
 import { t } from "../../words";
-import { hand, push, refused } from "./pilot";
+import { hand, push } from "./pilot";
 
 export function Turner() {
   const bar = useRef<HTMLDivElement>(null);

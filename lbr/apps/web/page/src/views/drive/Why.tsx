@@ -8,7 +8,7 @@ import { Mend } from "../../mend";
 import { notices } from "../../notices";
 import { number, percent, plain } from "../../format";
 import { byPage, named } from "../../handover";
-import { holding } from "../../holding";
+import { holding, refused } from "../../holding";
 import { clock, pace, useStream, type Pace } from "../../live";
 import type { BatteryState, DriveState } from "../../messages";
 import { useNews } from "../../news";
@@ -17,7 +17,6 @@ import { consoleLine, fetchJson, knows, may, robot, role, streamOfType } from ".
 import { maybe, t } from "../../words";
 import type { Run } from "../behaviours/data";
 import { first } from "./line";
-import { refused } from "./pilot";
 
 /** The robot's own answer: the first link that holds it, and what to type. */
 interface Chain { state: string; text: string; code: string; do: string }

@@ -1,6 +1,6 @@
 // The hand on the robot: thumb, keys and gamepad become one aim, which the socket holds.
 import { effect, signal } from "@preact/signals";
-import { holding } from "../../holding";
+import { holding, refused } from "../../holding";
 import { remember, remembered } from "../../kept";
 import type { Robot } from "../../messages";
 import { may, robot } from "../../robot";
@@ -11,8 +11,6 @@ import { stop } from "../../stopping";
 export const top = signal<number>(remembered("top", 0.4));
 /** Where the stick is, for the picture of it. */
 export const hand = signal<Push>({ x: 0, y: 0, turn: 0 });
-/** The robot refused, or ended, this motion: the hand has to come to rest first. */
-export const refused = signal(false);
 export const gamepad = signal("");
 
 effect(() => remember("top", top.value));

@@ -1,6 +1,6 @@
 // The robot's parts, a line each: state, reason and load; opened: rates, events, log, and what an admin does to it.
 import { useEffect, useState } from "preact/hooks";
-import { inWords, told as told_ } from "../../access";
+import { inWords, told } from "../../access";
 import { age, number, plain } from "../../format";
 import { status } from "../../live";
 import type { CapabilityStatus } from "../../messages";
@@ -36,13 +36,13 @@ export function Parts() {
     if (!row) return;
     const one = { table: "capability", before: row, after: { enabled: on } };
     const answer = await changeAll([one], true, true);
-    const said = t(on ? "system.enabled" : "system.disabled", { name: plain(name) });
-    if (answer.ok) noteMade(said, plain(name), answer);
-    if (answer.ok) notice(said, "good");
-    else notice(told_(answer), "warn");
+    const text = t(on ? "system.enabled" : "system.disabled", { name: plain(name) });
+    if (answer.ok) noteMade(text, plain(name), answer);
+    if (answer.ok) notice(text, "good");
+    else notice(told(answer), "warn");
   };
-  const told = status.value;
-  const all: CapabilityStatus[] = told?.capabilities ?? (robot.value?.capabilities ?? []).map((one) => ({ name: one.name, kind: one.kind, phase: one.phase ?? "", pid: null, restarts: 0, uptime_s: null, reason: one.reason ?? "", rates_hz: {} }));
+  const now = status.value;
+  const all: CapabilityStatus[] = now?.capabilities ?? (robot.value?.capabilities ?? []).map((one) => ({ name: one.name, kind: one.kind, phase: one.phase ?? "", pid: null, restarts: 0, uptime_s: null, reason: one.reason ?? "", rates_hz: {} }));
   const shown = all.filter((one) => `${one.name} ${one.kind} ${one.phase}`.includes(wanted.trim().toLowerCase())).sort((one, other) => ORDER.indexOf(one.phase) - ORDER.indexOf(other.phase) || one.name.localeCompare(other.name));
   const bad = all.filter((one) => one.phase === "failed" || one.phase === "degraded").length;
   const restart = async (name: string): Promise<void> => {
@@ -54,15 +54,15 @@ export function Parts() {
     <div class="stack">
       <div class="system-tools">
         <Badge tone={bad > 0 ? "warn" : "good"} icon={bad > 0 ? "warn" : "check"}>{bad > 0 ? t("system.problems", { count: bad }) : t("system.ready")}</Badge>
-        {told && <span class="muted num">{t("system.up")} {age((told.uptime_s ?? 0) * 1000)}</span>}
+        {now && <span class="muted num">{t("system.up")} {age((now.uptime_s ?? 0) * 1000)}</span>}
         <div class="system-find"><Field label={t("system.filter")} type="search" value={wanted} onInput={(event) => find(event.currentTarget.value)} /></div>
       </div>
-      {told?.problems?.map((one) => <p key={one} class="system-problem">{one}</p>)}
+      {now?.problems?.map((one) => <p key={one} class="system-problem">{one}</p>)}
       {shown.length === 0 ? <Empty icon="search" title={t("system.nothing")} /> : <ul class="parts">{shown.map((one) => <Part key={one.name} part={one} open={opened.has(one.name)} onOpen={(on) => open(new Set(on ? [...opened, one.name] : [...opened].filter((name) => name !== one.name)))} onRestart={knows("restart") ? () => ask(one.name) : undefined} onLog={may("operate") ? () => read(one.name) : undefined} onDisable={may("admin") ? () => part(one.name) : undefined} />)}</ul>}
       {disabled.length > 0 && (
         <section class="system-off" aria-label={t("system.off")}>
           <h3>{t("system.off")}</h3>
-          <ul>{disabled.map((name) => <li key={name}><span>{plain(name)}</span>{may("admin") && <Button kind="quiet" onClick={() => void enable(name, true)}>{t("system.enable")}</Button>}</li>)}</ul>
+          <ul>{disabled.map((name) => <li key={name}><span>{plain(name)}</span>{may("admin") && <Button kind="quiet" label={`${t("system.enable")}: ${name}`} onClick={() => void enable(name, true)}>{t("system.enable")}</Button>}</li>)}</ul>
         </section>
       )}
       <Dialog
