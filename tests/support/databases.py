@@ -44,7 +44,6 @@ def asked(path: Path, statement: str, *values: object) -> list[tuple[Any, ...]]:
         return client.execute(statement, values).fetchall()
 
 
-@cache
 def token(name: str, role: TokenRole, kept: str, expires_at: str | None = None, **more: Any) -> TokenRow:
     """The row of a token whose hash is `kept`."""
     return TokenRow(
@@ -52,6 +51,7 @@ def token(name: str, role: TokenRole, kept: str, expires_at: str | None = None, 
     )
 
 
+@cache
 def _built() -> bytes:
     with tempfile.TemporaryDirectory(prefix="lbr-") as place:
         path = Path(place) / "robot.db"
