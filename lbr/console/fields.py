@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import msgspec
@@ -147,7 +148,7 @@ class Message:
     def __init__(self, of: MessageType | None) -> None:
         self._type = of if isinstance(of, type) else None
         self._known = of is not None
-        schema = msgspec.json.schema(of) if isinstance(of, type) else dict(of or {})
+        schema = _schema(of) if isinstance(of, type) else dict(of or {})
         self._properties, self._required, self._definitions = _properties(schema)
 
     def field(self, name: str) -> Field:
@@ -170,6 +171,11 @@ def properties(schema: Schema) -> list[Field]:
     """Return the fields that a JSON Schema describes."""
     found, _, definitions = _properties(schema)
     return [Field(name, _resolved(one, definitions)) for name, one in found.items()]
+
+
+@cache
+def _schema(of: type[Struct]) -> Schema:
+    return msgspec.json.schema(of)
 
 
 def _bound(schema: Schema, which: str) -> str:
