@@ -12,7 +12,7 @@ from pathlib import Path
 import msgspec
 from msgspec import Struct
 
-from lbr import ownership
+from lbr import disk, ownership
 from lbr.errors import AlreadyRunningError, InputError
 from lbr.ownership import Fault
 
@@ -114,14 +114,10 @@ def credentials(make: Callable[[], Iterable[bytes]], *names: str) -> tuple[Path,
     """
     folder = directory("credentials")
     paths = tuple(folder / name for name in names)
-    fd = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-    try:
-        fcntl.flock(fd, fcntl.LOCK_EX)
+    with disk.locked(folder):
         if not all(path.exists() for path in paths):
             for path, content in zip(paths, make(), strict=True):
-                write_private(path, content)
-    finally:
-        os.close(fd)
+                disk.write(path, content)
     ownership.refuse(fault for path in paths for fault in key_faults(path))
     return paths
 
@@ -147,16 +143,6 @@ def key_faults(path: Path) -> Iterator[Fault]:
             yield Fault(path=path, text="is empty (0 bytes)", do=f"`rm {path}`, and a new one is made")
 
 
-def write_private(path: Path, content: bytes) -> None:
-    """Write a file as a whole or not at all, readable by the owner alone, and on the disk on return."""
-    new = path.with_name(f"{path.name}.new")
-    with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    new.replace(path)
-
-
 def running() -> list[Running]:
     """Return the robots that run here, by name."""
     found = []
@@ -169,7 +155,7 @@ def running() -> list[Running]:
             robot = msgspec.json.decode(path.read_bytes(), type=Running)
         except (OSError, msgspec.DecodeError, UnicodeDecodeError):
             continue
-        if _is_locked(path.with_suffix(".lock")):
+        if disk.is_locked(path.with_suffix(".lock")):
             found.append(robot)
     return found
 
@@ -190,9 +176,9 @@ def starting() -> list[str]:
     if not run.is_dir():
         return []
     ownership.refuse(ownership.faults(run, owners=_owner_of_home()))
-    begun = [""] if _is_locked(run / BEGINNING, fcntl.LOCK_EX) else []
+    begun = [""] if disk.is_locked(run / BEGINNING, shared=True) else []
     locks = (path for path in sorted(run.glob("*.lock")) if not path.with_suffix(".json").exists())
-    return begun + [path.stem for path in locks if _is_locked(path)]
+    return begun + [path.stem for path in locks if disk.is_locked(path)]
 
 
 class RunLock:
@@ -212,11 +198,8 @@ class RunLock:
 
     def publish(self, record: Running) -> None:
         """Publish how to reach the robot, readable by the owner alone; raise InputError with the reason if it fails."""
-        new = self._record.with_suffix(".new")
         try:
-            with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "wb") as file:
-                file.write(msgspec.json.encode(record))
-            new.replace(self._record)
+            disk.write(self._record, msgspec.json.encode(record), synced=False)
         except OSError as err:
             raise InputError(f"{self._record} cannot be written ({err.strerror}): check the disk") from err
 
@@ -263,19 +246,3 @@ def _locked_within(fd: int, limit_s: float) -> bool:
             time.sleep(0.01)
         else:
             return True
-
-
-def _is_locked(path: Path, how: int = fcntl.LOCK_SH) -> bool:
-    """Return whether a robot holds the lock; two processes that check at the same time share it."""
-    try:
-        fd = os.open(path, os.O_RDWR | os.O_CLOEXEC)
-    except OSError:
-        return False
-    try:
-        fcntl.flock(fd, how | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    else:
-        return False
-    finally:
-        os.close(fd)

@@ -34,15 +34,16 @@ AROUND = [
     if path.parent != COPIED
 ]
 
-GROUND = {"errors", "messages", "names"}
+GROUND = {"disk", "errors", "messages", "names"}
 BUS = GROUND | {"bus"}
 CAPABILITY = BUS | {"capability", "component", "leases", "ownership", "plugins"}
 ROBOT = GROUND | {"component", "plugins", "resources", "robot"}
 FLOORS = {
+    "disk": set(),
     "errors": {"messages"},
     "messages": {"messages"},
     "ownership": {"errors"},
-    "home": {"errors", "ownership"},
+    "home": {"disk", "errors", "ownership"},
     "surroundings": {"errors"},
     "component": set(),
     "plugins": {"component", "errors"},

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from starlette.applications import Starlette
 
-from lbr import home
+from lbr import disk, home
 from lbr.apps.http import listening, serving
 from lbr.apps.navcam import server as navcam
 from lbr.bus import certificates
@@ -135,7 +135,7 @@ def test_a_key_that_is_not_ours_alone_is_refused(place, name, use, fault):
 
 def test_saved_tokens_that_others_may_change_are_refused(place):
     path = place / "credentials" / "robots.json"
-    home.write_private(path, b"{}")
+    disk.write(path, b"{}")
     assert list(token_store.offered("tls/x:1", None)) == []
     path.chmod(0o622)
     with pytest.raises(InputError, match=rf"{path} may be changed by others \(mode 0622\)"):
@@ -156,10 +156,10 @@ def test_a_certificate_that_the_owner_put_there_is_what_browsers_are_shown(place
     assert not credentials.is_own_shown()
     of_robot, bus = credentials.fingerprint_shown(), credentials.certificate_der()
     key, own = certificates.self_signed()
-    home.write_private(folder / "web.crt", b"of an authority\n" + own + (folder / "bus.crt").read_bytes())
+    disk.write(folder / "web.crt", b"of an authority\n" + own + (folder / "bus.crt").read_bytes())
     with wording.of(InputError):
         listening.certificate()
-    home.write_private(folder / "web.key", key)
+    disk.write(folder / "web.key", key)
     assert listening.certificate() == (str(folder / "web.key"), str(folder / "web.crt"))
     assert certificates.first_der(folder / "web.crt") == ssl.PEM_cert_to_DER_cert(own.decode())
     assert credentials.fingerprint_shown() != of_robot

@@ -4,9 +4,9 @@ import os
 import re
 import shutil
 import time
-from contextlib import ExitStack
 from pathlib import Path
 
+from lbr import disk
 from lbr.errors import InputError
 from lbr.names import first_free
 
@@ -23,12 +23,8 @@ def save(home: str, name: str, picture: bytes) -> Path:
         path.parent.mkdir(mode=0o700, exist_ok=True)
         if shutil.disk_usage(path.parent).free < KEPT_FREE_BYTES:
             raise InputError(f"the disk is almost full; make room in {path.parent}")
-        fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
-        with ExitStack() as failed:
-            failed.callback(path.unlink)  # an incomplete picture is useless, and would block its name
-            with os.fdopen(fd, "wb") as file:
-                file.write(picture)
-            failed.pop_all()
+        with disk.created(path) as file:
+            file.write(picture)
     except FileExistsError as err:
         raise InputError(f"{path} is there already; choose another name") from err
     except OSError as err:

@@ -1,11 +1,11 @@
 """Installs and removes the service's files; a file that was edited by hand is only touched on request."""
 
-import tempfile
 from pathlib import Path
 from typing import Literal
 
 from msgspec import Struct
 
+from lbr import disk
 from lbr.commands.unitfiles import DROP_IN, POLKIT, RELAY_DROP_IN, RELAY_UNIT, RULES, SYSUSERS, UNIT, is_pristine
 
 State = Literal["absent", "current", "outdated", "edited"]
@@ -73,10 +73,8 @@ def remove(root: Path, *, overwrite: bool, dry_run: bool) -> list[Step]:
 
 def _write(path: Path, text: str, *, keep: bool) -> None:
     path.parent.mkdir(mode=0o755, parents=True, exist_ok=True)
-    with tempfile.NamedTemporaryFile("w", dir=path.parent, prefix=".lbr-", delete=False) as file:
-        file.write(text)
-    draft = Path(file.name)
-    draft.chmod(MODE)
-    if keep:
-        path.replace(path.with_name(path.name + KEPT))
-    draft.replace(path)
+    with disk.replacing(path) as draft:
+        draft.write_text(text)
+        draft.chmod(MODE)
+        if keep:
+            path.replace(path.with_name(path.name + KEPT))

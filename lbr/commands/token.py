@@ -2,7 +2,6 @@
 
 import datetime as dt
 import json
-import os
 import re
 import socket
 from collections.abc import Iterator
@@ -14,7 +13,7 @@ import click
 import msgspec
 import psutil
 
-from lbr import home
+from lbr import disk, home
 from lbr.bus import tokens
 from lbr.bus.session import client_settings
 from lbr.bus.tokens import Token
@@ -191,17 +190,14 @@ def new_file(path: Path | None) -> Iterator[TextIO | None]:
     if path is None:
         yield None
         return
-    try:
-        opened = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
-    except FileExistsError:
-        raise InputError(f"{path} exists already; name another file, or remove it") from None
-    except OSError as err:
-        raise InputError(f"{path} cannot be written ({err.strerror}): name another file") from err
-    with ExitStack() as failed:
-        failed.callback(path.unlink, missing_ok=True)
-        with os.fdopen(opened, "w") as file:
-            yield file
-        failed.pop_all()
+    with ExitStack() as opened:
+        try:
+            file = opened.enter_context(disk.created(path, "w"))
+        except FileExistsError:
+            raise InputError(f"{path} exists already; name another file, or remove it") from None
+        except OSError as err:
+            raise InputError(f"{path} cannot be written ({err.strerror}): name another file") from err
+        yield file
 
 
 def write_configuration(file: TextIO, token: Token, endpoints: list[str]) -> None:

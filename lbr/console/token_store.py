@@ -10,7 +10,7 @@ from pathlib import Path
 import msgspec
 from msgspec import Struct
 
-from lbr import home, ownership
+from lbr import disk, home, ownership
 from lbr.bus import tokens
 from lbr.bus.tokens import Token
 from lbr.errors import InputError
@@ -58,11 +58,7 @@ def can_ask() -> bool:
 def save(endpoint: str, token: Token) -> None:
     """Save a token that a robot accepted; only we may read the file."""
     path = _path()
-    draft = path.with_suffix(f".new-{os.getpid()}")
-    content = msgspec.json.format(msgspec.json.encode(_saved() | {endpoint: str(token)}))
-    with os.fdopen(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "wb") as file:
-        file.write(content)
-    draft.replace(path)
+    disk.write(path, msgspec.json.format(msgspec.json.encode(_saved() | {endpoint: str(token)})))
 
 
 def _saved() -> dict[str, str]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 from urllib.parse import quote
 
+from lbr import disk
 from lbr.database import constraints, statements
 from lbr.database.files import check_owner, check_owners, check_side_files
 from lbr.errors import RowError
@@ -112,10 +113,16 @@ def transaction(connection: Connection, mode: Literal["DEFERRED", "IMMEDIATE"]) 
 def flush_log(path: Path) -> None:
     """Write the committed changes to the disk: SQLite itself would hold the write lock meanwhile."""
     try:
-        with open(f"{os.path.realpath(path)}-wal", "rb") as log:  # noqa: PTH123 - as SQLite names it
-            os.fsync(log.fileno())
+        disk.sync(Path(f"{os.path.realpath(path)}-wal"))  # as SQLite names it
     except OSError as err:
         raise RowError((f"database {path} cannot be brought onto the disk: {err.strerror}",)) from err
+
+
+def vacuum_into(connection: Connection, target: Path) -> None:
+    """Write a complete copy to the disk: a new file, readable only by its owner, which is removed on a failure."""
+    with disk.created(target):
+        connection.execute("VACUUM INTO ?", (str(target),))
+        disk.sync(target)
 
 
 def settle(connection: Connection) -> None:

@@ -1,16 +1,14 @@
 """The last good copies of a database, beside it."""
 
-import fcntl
-import os
 import time
-from collections.abc import Iterator
-from contextlib import closing, contextmanager, suppress
+from contextlib import closing, suppress
 from pathlib import Path
 
 from msgspec import Struct
 
+from lbr import disk
 from lbr.database import adopted, identity
-from lbr.database.connection import connect, sentences
+from lbr.database.connection import connect, sentences, vacuum_into
 from lbr.database.reading import Problem
 from lbr.database.rows import TokenRow
 from lbr.database.tables import read_tables
@@ -39,7 +37,7 @@ def keep(path: Path, digest: str) -> Path | None:
     """Copy a database whose rows run; return None if the newest copy holds the same. Raise RowError, or EditedError if
     its rows differ by now."""
     try:
-        with _one_at_a_time(path.parent):
+        with disk.locked(path.parent):  # two robots may run from one database
             return _keep(path, path.with_name(f"{path.name}.good-new"), digest)
     except OSError as err:
         raise RowError((f"database {path} cannot be copied ({err.strerror}): check the folder",)) from err
@@ -89,20 +87,8 @@ def lost_edits(path: Path, revision: int) -> tuple[Problem, ...]:
 
 def copy_whole(source: Path, target: Path) -> None:
     """Write a complete copy to the disk, readable only by its owner."""
-    os.close(os.open(target, os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600))
     with sentences(source), closing(connect(source)) as connection:
-        connection.execute("VACUUM INTO ?", (str(target),))
-    with target.open("rb") as written:
-        os.fsync(written.fileno())
-
-
-def sync(folder: Path) -> None:
-    """Write the renames in a folder to the disk."""
-    fd = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-    try:
-        os.fsync(fd)
-    finally:
-        os.close(fd)
+        vacuum_into(connection, target)
 
 
 def _keep(path: Path, draft: Path, digest: str) -> Path | None:
@@ -121,22 +107,11 @@ def _keep(path: Path, draft: Path, digest: str) -> Path | None:
             if _name(path, number).exists():
                 _name(path, number).replace(_name(path, number + 1))
         draft.replace(newest)
-        sync(path.parent)
+        disk.sync(path.parent)
     finally:
         with suppress(OSError):
             draft.unlink()
     return newest
-
-
-@contextmanager
-def _one_at_a_time(folder: Path) -> Iterator[None]:
-    """Wait until no other process copies here: two robots may run from one database."""
-    fd = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-    try:
-        fcntl.flock(fd, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(fd)
 
 
 def _same(one: Path, other: Path) -> bool:

@@ -1,13 +1,12 @@
 """Upgrades an older database to this version's schema: backup first, then all steps in one transaction."""
 
-import os
-from contextlib import ExitStack
 from pathlib import Path
 
 from lbr.database import claims
-from lbr.database.connection import Connection, pragma, transaction
+from lbr.database.connection import Connection, pragma, transaction, vacuum_into
 from lbr.database.constraints import statements
 from lbr.errors import RowError
+from lbr.names import first_free
 
 MIGRATIONS = Path(__file__).with_name("migrations")
 HEAD = max(step.stem[1:5] for step in MIGRATIONS.glob("versions/v*.py"))
@@ -39,14 +38,9 @@ def bring_up_to_date(connection: Connection, path: Path) -> Path | None:
 
 def backup(connection: Connection, path: Path, stamp: str) -> Path:
     """Copy the whole database to a new file beside it that only its owner may read."""
-    target = _new_file(path, stamp)
-    with ExitStack() as failed:
-        failed.callback(target.unlink)
-        connection.execute("VACUUM INTO ?", (str(target),))
-        failed.pop_all()
-    with target.open("rb") as written:
-        os.fsync(written.fileno())
-    return target
+    name = first_free(f"{path.name}.backup-{stamp}", lambda one: path.with_name(one).exists(), "-")
+    vacuum_into(connection, path.with_name(name))
+    return path.with_name(name)
 
 
 def _stamp(connection: Connection) -> str:
@@ -114,15 +108,3 @@ class _Lent:
 
 def _dangling(connection: Connection) -> int:
     return len(connection.execute("PRAGMA foreign_key_check").fetchall())
-
-
-def _new_file(path: Path, stamp: str) -> Path:
-    number = 1
-    while True:
-        target = path.with_name(f"{path.name}.backup-{stamp}" + (f"-{number}" if number > 1 else ""))
-        try:
-            os.close(os.open(target, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
-        except FileExistsError:
-            number += 1
-        else:
-            return target

@@ -8,6 +8,7 @@ import time
 from contextlib import closing, suppress
 from pathlib import Path
 
+from lbr import disk
 from lbr.database import adopted, copies, identity
 from lbr.database.connection import connect, sentences, settle
 from lbr.database.files import check_folder, check_side_files, log_files
@@ -41,7 +42,7 @@ def restore(path: Path, source: Path | None = None) -> tuple[Path, Path | None]:
         if aside is not None:
             _set_aside(path, aside)
         draft.replace(path)
-        copies.sync(path.parent)
+        disk.sync(path.parent)
     except OSError as err:
         raise InputError(f"database {path} cannot be restored ({err.strerror}): check the folder") from err
     finally:

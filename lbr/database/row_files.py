@@ -6,14 +6,13 @@ rows/_shared/phrase.json    the rows that all robots share
 """
 
 import json
-import os
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from msgspec import Struct
 
+from lbr import disk
 from lbr.database import given_files
 from lbr.database.columns import json_strictly
 from lbr.database.difference import same
@@ -90,16 +89,12 @@ def write(folder: Path, files: tuple[File, ...]) -> None:
         if file.name.count("/") != 1 or file.name.startswith("."):
             raise InputError(f"'{short(file.name)}' would be no file in {folder}: rename the robot or the table")
         path = folder / file.name
-        draft = path.with_name(f".{path.name}.new-{os.getpid()}")
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            draft.write_text(file.text, encoding="utf-8", errors="surrogateescape")
-            draft.replace(path)
+            with disk.replacing(path) as draft:
+                draft.write_text(file.text, encoding="utf-8", errors="surrogateescape")
         except OSError as err:
             raise InputError(f"{path} cannot be written ({err.strerror}): check the folder") from err
-        finally:
-            with suppress(OSError):
-                draft.unlink()
 
 
 def read(folder: Path, robot: str | None = None) -> tuple[File, ...]:

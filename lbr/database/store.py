@@ -13,6 +13,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from lbr import disk
 from lbr.database import adopted, audit, constraints, foreign, history, identity, packaged, past, statements, tokens
 from lbr.database.connection import (
     BUSY_TIMEOUT_S,
@@ -75,7 +76,7 @@ def create(path: Path, sql: Path | None = None, judge: Judge = lambda _rows: ())
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         check_folder(path)
         building.unlink(missing_ok=True)
-        os.close(os.open(building, os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_NOFOLLOW, 0o600))
+        os.close(disk.create(building))
         with sentences(path), closing(sqlite3.connect(building, factory=Connection)) as connection:
             try:
                 connection.executescript(source)

@@ -15,7 +15,7 @@ from typing import Any
 from starlette.responses import RedirectResponse, Response
 from starlette.types import ASGIApp
 
-from lbr import home
+from lbr import disk, home
 from lbr.apps.http import listening, names, serving
 from lbr.apps.http.pages import Pages
 from lbr.apps.http.rates import Rates
@@ -182,7 +182,7 @@ def serve(robot: Robot, host: str, port: int, own_names: Iterable[str]) -> None:
         server.face = face
         page = f"{names.origin(host, port, tls=tls)}/index.html#token={secret}"
         url_file = home.directory("run") / f"{robot.name}-navcam.url"
-        home.write_private(url_file, f"{page}\n".encode())
+        disk.write(url_file, f"{page}\n".encode())
         _print(f"navcam is at {page}", f"this address is in {url_file} too")
         if tls:
             _print(f"the certificate's SHA-256 fingerprint is {_fingerprint(Path(listening.certificate()[1]))}")

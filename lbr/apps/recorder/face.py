@@ -7,9 +7,10 @@ from msgspec import Struct
 from starlette.responses import FileResponse, Response
 from starlette.types import Receive, Scope, Send
 
+from lbr import disk
 from lbr.apps.http.connection import connection_of
 from lbr.apps.http.turns import Turns
-from lbr.apps.recorder.recording.shelf import Shelf, in_use, size_of
+from lbr.apps.recorder.recording.shelf import Shelf, size_of
 from lbr.apps.web.contract import Refuses
 from lbr.apps.web.face import Client, Face, Refused, get
 from lbr.apps.web.robot import Robot
@@ -67,4 +68,4 @@ class RecordingsFace(Face):
         return _Download(path, client, self._turns)
 
     def _ended(self) -> list[Path]:
-        return [path for path in self._shelf.recordings() if not in_use(path)]
+        return [path for path in self._shelf.recordings() if not disk.is_locked(path)]

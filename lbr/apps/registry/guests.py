@@ -1,8 +1,6 @@
 """The tokens that the service has issued: a name and a digest of the secret each, in a private file."""
 
-import fcntl
 import hashlib
-import os
 import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,7 +11,7 @@ from pathlib import Path
 import msgspec
 from msgspec import Struct
 
-from lbr import home, ownership
+from lbr import disk, home, ownership
 from lbr.apps.http import listening
 from lbr.bus import certificates, tokens
 from lbr.bus.tokens import Token
@@ -87,14 +85,10 @@ class Guests:
     @contextmanager
     def _changing(self) -> Iterator[dict[str, Guest]]:
         """Change the file, one process at a time, as a whole or not at all."""
-        folder = os.open(self.path.parent, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-        try:
-            fcntl.flock(folder, fcntl.LOCK_EX)
+        with disk.locked(self.path.parent):
             known = dict(self._now())
             yield known
-            home.write_private(self.path, msgspec.json.format(msgspec.json.encode(known)))
-        finally:
-            os.close(folder)
+            disk.write(self.path, msgspec.json.format(msgspec.json.encode(known)))
 
 
 def _digest(secret: str) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from msgspec import Struct
 
+from lbr import disk
 from lbr.errors import InputError
 
 SILENT_PEAK = 0.002
@@ -51,13 +52,11 @@ def samples(path: Path) -> bytes:
 
 def write(path: Path, samples: bytes, rate_hz: int, width: int = 1) -> None:
     """Write mono samples, as a whole file or not at all; bytes are unsigned, around 128."""
-    part = path.with_name(f".{path.name}.part")
-    with wave.open(str(part), "wb") as sound:
+    with disk.replacing(path) as draft, wave.open(str(draft), "wb") as sound:
         sound.setnchannels(1)
         sound.setsampwidth(width)
         sound.setframerate(rate_hz)
         sound.writeframes(samples)
-    part.replace(path)
 
 
 @contextmanager

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import msgspec
 
-from lbr import home
+from lbr import disk, home
 from lbr.errors import InputError
 from lbr.messages.unreadable import UNREADABLE
 
@@ -90,7 +90,7 @@ class Sessions:
     def _write(self) -> None:
         try:
             home.directory(self._path.parent.name)
-            home.write_private(self._path, msgspec.json.encode(self._ends))
+            disk.write(self._path, msgspec.json.encode(self._ends))
         except OSError as err:
             raise InputError(f"{self._path} cannot be written ({err.strerror}): check the disk") from err
 

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import IO
 
-from lbr import home
+from lbr import disk, home
 from lbr.bus.codec import Decoder
 from lbr.bus.keys import alive
 from lbr.bus.session import client_settings, leaf_environment
@@ -130,8 +130,8 @@ def _is_leaf(config: ProcessConfig) -> bool:
 def _settings_file(config: ProcessConfig) -> Path:
     """Write the Zenoh settings with a program's own credentials. Only their owner may read the file."""
     path = home.directory("run") / f"{config.robot}-{config.name}.json5"
-    with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "w") as file:
-        json.dump(client_settings(config.endpoints, config.credentials, certificate=config.certificate), file)
+    settings = client_settings(config.endpoints, config.credentials, certificate=config.certificate)
+    disk.write(path, json.dumps(settings).encode(), synced=False)
     return path
 
 

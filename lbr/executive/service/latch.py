@@ -4,11 +4,10 @@ A database that is locked, full, restored or damaged cannot lose the latch: at a
 """
 
 import errno
-import os
 from collections.abc import Callable
 from pathlib import Path
 
-from lbr.database import copies
+from lbr import disk
 from lbr.database.rows import RobotRow
 from lbr.database.store import Database
 from lbr.errors import InputError
@@ -66,15 +65,13 @@ def read(path: Path) -> str | None:
 
 def write(path: Path, reason: str) -> None:
     """Write the file to the disk. A full disk still accepts the file, though not the reason."""
-    draft = path.with_suffix(".new")
     try:
-        fd = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
         try:
-            _write(fd, reason[:LONGEST_REASON].encode(errors="replace"))
-        finally:
-            os.close(fd)
-        draft.replace(path)
-        copies.sync(path.parent)
+            disk.write(path, reason[:LONGEST_REASON].encode(errors="replace"))
+        except OSError as err:
+            if err.errno not in FULL:
+                raise
+            disk.write(path, b"")
     except OSError as err:
         raise InputError(f"{path} cannot be written ({err.strerror}): check the disk") from err
 
@@ -83,15 +80,6 @@ def remove(path: Path) -> None:
     """Remove the file, also from the disk, before returning."""
     try:
         path.unlink(missing_ok=True)
-        copies.sync(path.parent)
+        disk.sync(path.parent)
     except OSError as err:
         raise InputError(f"{path} cannot be removed ({err.strerror}): check the disk") from err
-
-
-def _write(fd: int, reason: bytes) -> None:
-    try:
-        os.write(fd, reason)
-    except OSError as err:
-        if err.errno not in FULL:
-            raise
-    os.fsync(fd)

@@ -6,6 +6,8 @@ from pathlib import Path
 
 from msgspec import Struct
 
+from lbr import disk
+
 Points = list[tuple[float, float]]
 SIZE, MARGIN = 700, 60
 """The side of the square and its margin, in pixels."""
@@ -27,9 +29,8 @@ class Drawing(Struct, frozen=True, kw_only=True):
 
 def save(drawing: Drawing, path: Path) -> None:
     """Write the file atomically."""
-    unfinished = path.with_suffix(".part")
-    unfinished.write_text(svg(drawing), encoding="utf-8")
-    unfinished.replace(path)
+    with disk.replacing(path) as draft:
+        draft.write_text(svg(drawing), encoding="utf-8")
 
 
 def svg(drawing: Drawing) -> str:

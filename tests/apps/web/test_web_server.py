@@ -16,7 +16,7 @@ from starlette.responses import Response
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
-from lbr import home, qr
+from lbr import disk, home, qr
 from lbr.apps.http import slots
 from lbr.apps.web import application
 from lbr.apps.web.addresses import url
@@ -515,7 +515,7 @@ def test_an_address_follows_the_network():
 def test_a_code_has_the_name_that_the_owners_certificate_is_for(files, host, tmp_path, monkeypatch):
     monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
     for name in files:
-        home.write_private(home.directory("credentials") / name, b"PEM")
+        disk.write(home.directory("credentials") / name, b"PEM")
     settings = replace(OPEN, clear_text=False, names=("robot.example.org",))
     place = AdvertisedAddress(settings, 50000, own_addresses=lambda: ("192.168.1.5",))
     assert place.url == f"https://{host}:50000/"

@@ -12,12 +12,12 @@ from click.shell_completion import CompletionItem
 from msgspec import Struct
 from msgspec.structs import asdict, replace
 
-from lbr import home, plugins
+from lbr import disk, home, plugins
 from lbr.apps.recorder.recording import export as exports
 from lbr.apps.recorder.recording import selection, shelf, times
 from lbr.apps.recorder.recording.chunks import Message
 from lbr.apps.recorder.recording.selection import Chosen, Damage
-from lbr.apps.recorder.recording.shelf import Shelf, in_use
+from lbr.apps.recorder.recording.shelf import Shelf
 from lbr.commands.completing import items
 from lbr.commands.options import FileName, json_option, print_json, together
 from lbr.errors import InputError, LbrError
@@ -205,7 +205,7 @@ def delete(names: tuple[str, ...], robot: str | None) -> int:
         if any(place.box not in path.parents and place.recordings_folder not in path.parents for path in own):
             raise InputError(f"'{name}' is a file of another; delete it yourself")
         undeleted = [path for path in own if not place.delete(path)]
-        written = [path for path in undeleted if path.is_file() and in_use(path)]
+        written = [path for path in undeleted if path.is_file() and disk.is_locked(path)]
         for path in undeleted:
             why = "is being written, and stays" if path in written else "cannot be deleted: check disk and rights"
             click.echo(f"{path.name} {why}", err=True)

@@ -12,6 +12,7 @@ import msgspec
 from mcap.writer import CompressionType, Writer
 from msgspec import Struct
 
+from lbr import disk
 from lbr.apps.recorder.recording.chunks import PICTURES, Channel, Message
 from lbr.errors import InputError
 from lbr.messages.unreadable import UNREADABLE
@@ -34,15 +35,11 @@ def to_mcap(path: Path, messages: Iterable[Message], library: str) -> int:
 
     Raise InputError if it cannot be written.
     """
-    draft = path.with_name(f"{path.name}.new")
     try:
-        with draft.open("wb") as file:
-            written = _write_mcap(file, messages, library)
-        draft.replace(path)
+        with disk.replacing(path) as draft, draft.open("wb") as file:
+            return _write_mcap(file, messages, library)
     except OSError as err:
-        draft.unlink(missing_ok=True)
         raise InputError(f"{path} cannot be written: {err.strerror}") from err
-    return written
 
 
 def _write_mcap(file: IO[bytes], messages: Iterable[Message], library: str) -> int:

@@ -6,10 +6,8 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
+from lbr import disk
 from lbr.apps.recorder.recording import chunks
-from lbr.apps.recorder.recording.shelf import sync_folder
-
-PRIVATE = 0o600
 
 
 class Segment:
@@ -21,13 +19,13 @@ class Segment:
     def __init__(self, path: Path, library: str, about: Mapping[str, str]) -> None:
         self.path = path
         self.size = 0
-        self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, PRIVATE)
+        self._fd = disk.create(path)
         try:
             with contextlib.suppress(OSError):  # a file system without locks
                 fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
             self._append(chunks.beginning(library, about))
             os.fsync(self._fd)
-            sync_folder(path.parent)
+            disk.sync(path.parent)
         except OSError:
             self.close()
             with contextlib.suppress(OSError):

@@ -8,7 +8,6 @@ Links cost nothing, and a file stays as long as one of its names does.
 """
 
 import contextlib
-import fcntl
 import os
 import re
 import time
@@ -18,6 +17,7 @@ from pathlib import Path
 import msgspec
 from msgspec import Struct
 
+from lbr import disk
 from lbr.messages.unreadable import UNREADABLE
 
 SUFFIX = ".mcap"
@@ -94,14 +94,8 @@ class Shelf:
         for path in files:
             with contextlib.suppress(FileExistsError, FileNotFoundError):
                 os.link(path, folder / path.name)
-        draft = folder / f"{INCIDENT}.new"
-        with draft.open("wb") as file:
-            file.write(msgspec.json.encode(why))
-            file.flush()
-            os.fsync(file.fileno())
-        draft.replace(folder / INCIDENT)
-        sync_folder(folder)
-        sync_folder(self.kept_folder)
+        disk.write(folder / INCIDENT, msgspec.json.encode(why))
+        disk.sync(self.kept_folder)
         return folder
 
     def prune(self, most_bytes: int, oldest_s: float, now: float) -> int:
@@ -142,7 +136,7 @@ class Shelf:
     def delete(self, path: Path) -> bool:
         """Delete a file or a kept incident; False if it is being written or cannot be deleted."""
         if not path.is_dir():
-            return not in_use(path) and _removed(path)
+            return not disk.is_locked(path) and _removed(path)
         for one in _in(path):
             _removed(one)
         with contextlib.suppress(OSError):
@@ -191,27 +185,3 @@ def _removed(path: Path) -> bool:
     except OSError:
         return False
     return True
-
-
-def sync_folder(path: Path) -> None:
-    """Sync the names in a folder to the disk."""
-    fd = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-    try:
-        os.fsync(fd)
-    finally:
-        os.close(fd)
-
-
-def in_use(path: Path) -> bool:
-    """Return whether a process is writing a file."""
-    try:
-        fd = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # opening a pipe without a writer would block
-    except OSError:
-        return False
-    try:
-        fcntl.flock(fd, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except OSError:
-        return True
-    finally:
-        os.close(fd)
-    return False

@@ -8,10 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mcap.reader import make_reader
 
+from lbr import disk
 from lbr.apps.recorder.recording import chunks, reader, selection
 from lbr.apps.recorder.recording.chunks import Channel, Channels
 from lbr.apps.recorder.recording.segments import Segment
-from lbr.apps.recorder.recording.shelf import Shelf, in_use
+from lbr.apps.recorder.recording.shelf import Shelf
 from lbr.errors import InputError
 from tests.support.segments import finished
 
@@ -191,9 +192,9 @@ def test_what_is_said_again_at_the_beginning_of_a_file_is_one_message(tmp_path):
 def test_a_file_is_in_use_while_it_is_written(tmp_path):
     path = tmp_path / "open.mcap"
     segment = Segment(path, "a test", {})
-    assert in_use(path)
+    assert disk.is_locked(path)
     segment.finish()
-    assert not in_use(path)
+    assert not disk.is_locked(path)
 
 
 def test_a_pipe_in_a_recordings_place_keeps_nobody_waiting(tmp_path):
@@ -201,7 +202,7 @@ def test_a_pipe_in_a_recordings_place_keeps_nobody_waiting(tmp_path):
     damage = selection.Damage()
     assert list(selection.messages([tmp_path / "pipe.mcap"], damage=damage)) == []
     assert "it is not a file" in damage.files[0]
-    assert not in_use(tmp_path / "pipe.mcap")
+    assert not disk.is_locked(tmp_path / "pipe.mcap")
 
 
 @pytest.mark.parametrize(
