@@ -56,9 +56,9 @@ def accepted(name: str, home: Path, source: str) -> Kind:
     """Return the kind of a running robot: of a user's own file, by its accepted text, not by its present one."""
     if not source:
         return find(name, home, trial=False)
-    from lbr.capability import own  # noqa: PLC0415 - most processes have no use for it
+    from lbr.capability import user_kinds  # noqa: PLC0415 - most processes have no use for it
 
-    return own.load(name, user_directory(home) / f"{name}.py", source)
+    return user_kinds.load(name, user_directory(home) / f"{name}.py", source)
 
 
 def source(name: str) -> str:
@@ -129,10 +129,10 @@ def declared(point: Plugin) -> Kind:
 
 @lru_cache(maxsize=64)
 def _from_file(name: str, path: Path, _fingerprint: str, *, trial: bool) -> tuple[Kind, str]:
-    from lbr.capability import own  # noqa: PLC0415 - most processes have no use for it
+    from lbr.capability import user_kinds  # noqa: PLC0415 - most processes have no use for it
 
-    kind = own.find(name, path) if trial else own.load(name, path)
-    return kind, own.source(name)
+    kind = user_kinds.find(name, path) if trial else user_kinds.load(name, path)
+    return kind, user_kinds.source(name)
 
 
 def _faults(kind: Kind) -> tuple[str, ...]:

@@ -20,7 +20,7 @@ from lbr.messages.plain import one_line
 from lbr.messages.rows import short
 from lbr.messages.system import Event
 from lbr.messages.why import Chain
-from lbr.why import chain, telling
+from lbr.why import chain, rendering
 from lbr.why.chain import explain
 from lbr.why.snapshot import Facts, Snapshot
 
@@ -51,7 +51,7 @@ def command(part: str, whom: Whom, database: Path | None, verbose: bool, as_json
     if as_json:
         print_json(answer)
     else:
-        for line in telling.lines(answer, verbose=verbose):
+        for line in rendering.lines(answer, verbose=verbose):
             click.echo(one_line(line))
     return 0
 

@@ -11,8 +11,8 @@ from lbr.messages.why import Chain, Link, LinkName, Repair
 from lbr.names import did_you_mean
 from lbr.why import bodies
 from lbr.why.parts import update
+from lbr.why.rendering import ago
 from lbr.why.snapshot import ITSELF, Facts, Part, Saying, Snapshot
-from lbr.why.telling import ago
 from lbr.why.walk import Walk
 
 ILL = frozenset({"failed", "degraded"})

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from lbr.messages.system import CapabilityStatus
 from lbr.messages.why import Link, LinkName, LinkState
-from lbr.why import said
+from lbr.why import states
 from lbr.why.snapshot import Part, Snapshot
 
 RECENT_S = 60.0
@@ -109,7 +109,7 @@ def line(now: Snapshot, part: Part) -> Link | None:
         return Link("line", part.device, "ok", f"connected at {address}", since_s=unit.uptime_s, evidence=evidence)
     own, since_s = unit.code not in {"unreachable", *REFUSED, ""}, now.since_s(part.name, ("degraded",))
     name: LinkName = "fault" if own else "port" if unit.code in REFUSED else "line"
-    state: LinkState = "doubt" if said.works(now, part) else "held"
+    state: LinkState = "doubt" if states.works(now, part) else "held"
     how = "" if own else " works in part" if state == "doubt" else " has no device"
     text, do = f"'{part.name}'{how}: {unit.reason}", "follow that sentence; lbr doctor checks this machine"
     code = unit.code or "unreachable"
@@ -118,7 +118,7 @@ def line(now: Snapshot, part: Part) -> Link | None:
 
 def silence(now: Snapshot, part: Part) -> Iterator[Link]:
     """Yield that a running part does not answer: it has just been frozen, or the machine is too busy."""
-    topics = [f"{part.name}/{port}" for port, name in part.outputs.items() if name in said.understood()]
+    topics = [f"{part.name}/{port}" for port, name in part.outputs.items() if name in states.understood()]
     unit = now.unit(part.name)
     if not topics or unit is None or unit.phase != "ready" or any(topic in now.messages for topic in topics):
         return

@@ -6,7 +6,7 @@ from msgspec.structs import replace
 
 from lbr.messages.system import RANKS
 from lbr.messages.why import Link, LinkState
-from lbr.why import leases, parts, robot, said
+from lbr.why import leases, parts, robot, states
 from lbr.why.snapshot import Channel, Part, Snapshot
 
 FRESH_S = 3.0
@@ -51,7 +51,7 @@ class Walk:
         for port in part.setpoints:
             yield from self._sender(part, port)
         yield from parts.silence(self.now, part)
-        yield from said.links(self.now, part)
+        yield from states.links(self.now, part)
         if part.moves:
             yield from leases.refusal(self.now, part)
         yield from self._targets(part, asked=asked)
@@ -95,7 +95,7 @@ class Walk:
             return
         for part in self.facts.parts.values():
             if part.runs and {"UpsState", "PowerState"} & set(part.outputs.values()):
-                yield from (one for one in said.links(self.now, part) if one.name == "power" and one.state == "held")
+                yield from (one for one in states.links(self.now, part) if one.name == "power" and one.state == "held")
 
     def _needs(self, part: Part) -> Iterator[Link]:
         targets = self._fed(part)
@@ -127,7 +127,7 @@ class Walk:
 
     def _thinned(self, part: Part, port: str, wire: Channel) -> Iterator[Link]:
         """Yield that a channel lets fewer messages through than the part needs."""
-        oldest_s = said.oldest_s(part, part.inputs[port])
+        oldest_s = states.oldest_s(part, part.inputs[port])
         if oldest_s is None or wire.rate_hz is None or 1.0 / wire.rate_hz < oldest_s:
             return
         text = (

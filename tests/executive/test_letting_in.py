@@ -20,8 +20,8 @@ from lbr.database.rows import TokenRow
 from lbr.errors import InputError, RowError
 from lbr.executive.planning import credentials, rights
 from lbr.executive.planning import plan as plans
+from lbr.executive.planning.console_lines import vocabulary
 from lbr.executive.planning.process_specs import LAN
-from lbr.executive.planning.said import vocabulary
 from lbr.executive.service.dispatch import Dispatcher, Sender
 from lbr.executive.service.letting_in import LettingIn
 from lbr.executive.service.pairing import Code

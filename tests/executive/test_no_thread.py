@@ -10,12 +10,12 @@ from lbr.bus import keys, stamp, wire
 from lbr.database.store import Database
 from lbr.errors import LbrError
 from lbr.executive import start
-from lbr.executive.beside import NO_THREAD
 from lbr.executive.planning.kinds import KindsBeside
 from lbr.executive.planning.last_good_copy import AGAIN_AFTER_S, LastGoodCopy
 from lbr.executive.service.edits import Edits
 from lbr.executive.service.pages import Pages
 from lbr.executive.service.row_service import RowService
+from lbr.executive.threads import NO_THREAD
 from lbr.messages.faces import Motor
 from tests.support import databases
 from tests.support.waiting import until

@@ -9,7 +9,7 @@ from lbr.errors import InputError
 from lbr.messages.codes import MEANINGS
 from lbr.messages.system import Event
 from lbr.messages.why import HARDWARE
-from lbr.why import telling
+from lbr.why import rendering
 from lbr.why.chain import explain
 from lbr.why.snapshot import Facts, Snapshot
 from tests.why import healthy
@@ -280,10 +280,10 @@ NOT_HARDWARE = {name for name, (*_, (link, _about, _code)) in CAUSES.items() if 
 
 def told(now: Snapshot, part: str) -> tuple[str, str, str]:
     chain = explain(now, part)
-    assert chain.first is not None, telling.lines(chain)
+    assert chain.first is not None, rendering.lines(chain)
     one = chain.links[chain.first]
     assert (chain.text, chain.code) == (one.text, one.code)
-    assert "" not in (chain.text, chain.do), telling.lines(chain)
+    assert "" not in (chain.text, chain.do), rendering.lines(chain)
     assert "\n" not in chain.text
     assert chain.code in MEANINGS
     return one.name, one.about, one.code
@@ -301,11 +301,11 @@ def test_a_cause_alone_is_named_first_with_its_code_and_what_to_type(robots, cau
 )  # fmt: skip
 def test_with_nothing_wrong_it_says_so_and_shows_the_chain_with_ages(robots, robot, part):
     chain = explain(robots[robot], part)
-    assert (chain.state, chain.first) == ("ok", None), telling.lines(chain)
-    assert telling.lines(chain)[0].startswith("Nothing is wrong: ")
+    assert (chain.state, chain.first) == ("ok", None), rendering.lines(chain)
+    assert rendering.lines(chain)[0].startswith("Nothing is wrong: ")
     assert ("it waits for a command" in chain.text) == any(one.name == "last" for one in chain.links)
-    assert len(telling.lines(chain)) == 1
-    assert len(telling.lines(chain, verbose=True)) == 1 + len(chain.links)
+    assert len(rendering.lines(chain)) == 1
+    assert len(rendering.lines(chain, verbose=True)) == 1 + len(chain.links)
     assert {one.state for one in chain.links} == {"ok"}
     assert any(one.age_s is not None for one in chain.links)
 
@@ -391,7 +391,7 @@ def test_what_only_some_motion_needs_does_not_hold_all_of_it(robots):
     chain = explain(gone("imu", "device 'imu' does not answer; check its wiring")(robots["lbr"]), "drive")
     assert (chain.state, chain.code) == ("doubt", "unreachable")
     other = explain(with_joint(robots["bioloid"], "left_knee", torque=0.0, latched=["overload"]), "right_knee")
-    assert other.state == "ok", telling.lines(other)
+    assert other.state == "ok", rendering.lines(other)
 
 
 def test_a_robot_that_is_not_before_its_dock_is_well_until_its_dock_is_asked_about(robots):
@@ -424,14 +424,14 @@ def test_a_gamepad_that_is_pulled_out_is_told_by_its_driver(all_rows):
     device = replace(rows.devices[0], name="gamepad", type="gamepad", address="input:Pad")
     rows = replace(rows, capabilities=(*rows.capabilities, pad), devices=(*rows.devices, device))
     now = healthy.snapshot(healthy.facts_of(rows))
-    assert explain(now, "teleop").state == "ok", telling.lines(explain(now, "teleop"))
+    assert explain(now, "teleop").state == "ok", rendering.lines(explain(now, "teleop"))
     now = with_said(now, "teleop/state", pad=False, driving=False, reason="no gamepad reports", code="unreachable")
     assert told(gone("gamepad", "device 'gamepad' is missing")(now), "teleop") == ("line", "gamepad", "unreachable")
 
 
 def test_what_a_gamepad_holds_itself_does_not_hold_it(with_teleop):
     now = with_said(with_teleop, "drive/state", moving=True, power=0.3, holder="teleop", code="")
-    assert explain(now, "teleop").state == "ok", telling.lines(explain(now, "teleop"))
+    assert explain(now, "teleop").state == "ok", rendering.lines(explain(now, "teleop"))
     assert told(now, "drive") == ("holder", "drive", "held")
     others = with_said(now, "drive/state", holder="web:anna")
     assert told(others, "teleop") == ("holder", "drive", "held")
@@ -615,6 +615,6 @@ def test_a_message_that_is_not_understood_is_passed_over(robots):
 
 
 def test_times_are_told_in_the_greatest_unit_that_fits():
-    assert [telling.ago(seconds) for seconds in (0.04, 12.0, 90.0, 7300.0, 200_000.0)] == [
+    assert [rendering.ago(seconds) for seconds in (0.04, 12.0, 90.0, 7300.0, 200_000.0)] == [
         "0.0 s", "12 s", "1.5 min", "2.0 h", "2.3 d",
     ]  # fmt: skip

@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from math import inf
 
 from lbr.apps.bodies.parts import RobotModel
-from lbr.apps.ros2 import codec, shown, topics
+from lbr.apps.ros2 import codec, conversion, topics
+from lbr.apps.ros2.conversion import Fields
 from lbr.apps.ros2.kind import Ros2Settings
-from lbr.apps.ros2.shown import Fields
 from lbr.apps.ros2.topics import DESCRIPTION, DIAGNOSTICS, IMU, JOINT_STATES, ODOM, TF, TF_STATIC
 from lbr.apps.ros2.urdf import urdf
 from lbr.apps.ros2.wire import Port
@@ -42,7 +42,7 @@ class Showing:
         self._of_cameras = [
             of(camera) for camera in ctx.sources("frames") for of in (topics.picture_topic, topics.info_topic)
         ]
-        self._eyes = {shown.CAMERA + sensor.name: sensor for sensor in model.sensors if sensor.kind == "camera"}
+        self._eyes = {conversion.CAMERA + sensor.name: sensor for sensor in model.sensors if sensor.kind == "camera"}
         self._publish = publish
         self._wall_ns = wall_ns
         self._next: dict[str, float] = {}
@@ -52,7 +52,7 @@ class Showing:
     def begin(self) -> None:
         """Publish the fixed transforms and the body: once for each connection, also for later subscribers."""
         now_ns = self._wall_ns()
-        self._send(TF_STATIC, {"transforms": shown.fixed(self._model, self._sensors.values(), now_ns)})
+        self._send(TF_STATIC, {"transforms": conversion.fixed(self._model, self._sensors.values(), now_ns)})
         self._send(DESCRIPTION, {"data": urdf(self._model)})
 
     def subscribed(self, there: Callable[[str, str], bool]) -> None:
@@ -79,7 +79,7 @@ class Showing:
         if DIAGNOSTICS in self.wanted and now - self._diagnosed_s >= DIAGNOSTICS_S:
             self._diagnosed_s = now
             states = {one: self._state(one, now) for one in PARTS if self._ctx.sources(one)}
-            yield DIAGNOSTICS, shown.diagnostics(self._ctx.robot, states, self._wall_ns())
+            yield DIAGNOSTICS, conversion.diagnostics(self._ctx.robot, states, self._wall_ns())
         if not self.wanted.isdisjoint(self._of_cameras):
             yield from self._pictures(now)
 
@@ -99,8 +99,9 @@ class Showing:
         if not state.valid or state.x_m is None or not self._due("odometry", now):
             return
         at_ns = self._at_ns(received.arrived if state.counted_s is None else state.counted_s)
-        yield ODOM, shown.odometry(state, at_ns)
-        yield TF, {"transforms": [shown.transform(shown.ODOM, shown.BASE, shown.base(state), at_ns)]}
+        yield ODOM, conversion.odometry(state, at_ns)
+        placed = conversion.transform(conversion.ODOM, conversion.BASE, conversion.base(state), at_ns)
+        yield TF, {"transforms": [placed]}
 
     def _joints(self, received: Received, now: float) -> Iterator[tuple[str, Fields]]:
         state: JointsState = received.message
@@ -108,25 +109,25 @@ class Showing:
             return
         at_ns = self._at_ns(state.measured_s)
         angles = {name: one.position_rad for name, one in state.joints.items() if one.position_rad is not None}
-        yield JOINT_STATES, shown.joint_states(state, at_ns)
-        yield TF, {"transforms": shown.moving(self._model, angles, at_ns)}
+        yield JOINT_STATES, conversion.joint_states(state, at_ns)
+        yield TF, {"transforms": conversion.moving(self._model, angles, at_ns)}
 
     def _imu(self, received: Received, now: float) -> Iterator[tuple[str, Fields]]:
         if received.message.valid and self._due(IMU, now):
             attitude = self._state("attitude", now)
             assert attitude is None or isinstance(attitude, AttitudeState)
-            yield IMU, shown.imu(received.message, attitude, self._at_ns(received.message.time_s))
+            yield IMU, conversion.imu(received.message, attitude, self._at_ns(received.message.time_s))
 
     def _battery(self, received: Received, now: float) -> Iterator[tuple[str, Fields]]:
         if received.message.valid and self._due("battery", now):
-            yield topics.BATTERY, shown.battery(received.message, self._at_ns(received.arrived))
+            yield topics.BATTERY, conversion.battery(received.message, self._at_ns(received.arrived))
 
     def _ranges(self, received: Received, now: float) -> Iterator[tuple[str, Fields]]:
         ranges: Ranges = received.message
         for name, sensor in self._sensors.items():
             topic = topics.range_topic(name)
             if topic in self.wanted and ranges.tells_of(name):
-                fields = shown.range_(ranges, sensor, self._at_ns(received.arrived))
+                fields = conversion.range_(ranges, sensor, self._at_ns(received.arrived))
                 if fields is not None and self._due(topic, now):
                     yield topic, fields
 
@@ -134,14 +135,14 @@ class Showing:
         scan: Scan = received.message
         topic = self._scans.get(scan.sensor, "")
         if topic in self.wanted and self._due(topic, now):
-            yield topic, shown.laser_scan(scan, self._sensors[scan.sensor], self._at_ns(received.arrived))
+            yield topic, conversion.laser_scan(scan, self._sensors[scan.sensor], self._at_ns(received.arrived))
 
     def _pictures(self, now: float) -> Iterator[tuple[str, Fields]]:
         for received in self._ctx.take("frames"):
             camera, data, at_ns = received.source, received.message.data, self._at_ns(received.arrived)
             if self._due(topics.picture_topic(camera), now):
-                yield topics.picture_topic(camera), shown.picture(data, camera, at_ns)
-                yield topics.info_topic(camera), shown.camera_info(data, camera, self._eyes.get(camera), at_ns)
+                yield topics.picture_topic(camera), conversion.picture(data, camera, at_ns)
+                yield topics.info_topic(camera), conversion.camera_info(data, camera, self._eyes.get(camera), at_ns)
 
     def _state(self, port: str, now: float) -> object:
         """Return the newest state of a part; None if it is missing or old."""

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from xml.sax.saxutils import quoteattr
 
 from lbr.apps.bodies.parts import Link, RobotModel, Shape
-from lbr.apps.ros2.shown import BASE, moves, parent
+from lbr.apps.ros2.conversion import BASE, moves, parent
 
 LEAST_M = 0.001
 FAST_RPS, STRONG = 1.0, 100.0

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from lbr.capability import registry
 from lbr.capability.kind import Kind, KindError
-from lbr.executive import beside
+from lbr.executive import threads
 
 
 class KindsBeside:
@@ -32,7 +32,7 @@ class KindsBeside:
         """Return whether all of them are known in their present state; load the others on the separate thread."""
         new = {name: mark for name, mark in marks.items() if mark and self._known.get(name, ("",))[0] != mark}
         if new and (self._thread is None or not self._thread.is_alive()):
-            self._thread = beside.begin(partial(self.try_now, new), "kinds")
+            self._thread = threads.begin(partial(self.try_now, new), "kinds")
         return not new
 
     def find(self, name: str, home: Path) -> Kind:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from lbr.database import copies
 from lbr.errors import LbrError
-from lbr.executive import beside
+from lbr.executive import threads
 
 RUN_WELL_S = 5.0
 AGAIN_AFTER_S = 60.0
@@ -48,10 +48,10 @@ class LastGoodCopy:
             if (self._edited or self._why) and self._due is None:
                 self._due = now + AGAIN_AFTER_S
         if self._due is not None and now >= self._due:
-            self._thread = beside.begin(partial(self._keep, digest), "keeper")
+            self._thread = threads.begin(partial(self._keep, digest), "keeper")
             self._due = None if self._thread is not None else now + AGAIN_AFTER_S
             if self._thread is None:
-                self._trouble(NOT_COPIED, beside.NO_THREAD)
+                self._trouble(NOT_COPIED, threads.NO_THREAD)
 
     def _keep(self, digest: str) -> None:
         with suppress(OSError):

@@ -15,10 +15,10 @@ from lbr.database.rows import RobotRows
 from lbr.database.store import Database
 from lbr.errors import LbrError
 from lbr.executive.planning import plan as plans
+from lbr.executive.planning.console_lines import vocabulary
 from lbr.executive.planning.last_good_copy import LastGoodCopy
 from lbr.executive.planning.plan import Change, Plan
 from lbr.executive.planning.process_specs import read_by
-from lbr.executive.planning.said import vocabulary
 from lbr.executive.planning.trials import Trials
 from lbr.executive.planning.watch import RowWatch
 from lbr.executive.processes.plugging import Plugging

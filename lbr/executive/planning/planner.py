@@ -17,7 +17,7 @@ from lbr.capability.settings import faults
 from lbr.database.columns import json_strictly
 from lbr.database.reading import Problem
 from lbr.database.rows import CapabilityRow, DeviceRow, RobotRows, TokenRow
-from lbr.executive.planning import machine, placement, rights, said, sharing, words
+from lbr.executive.planning import console_lines, machine, placement, rights, sharing, words
 from lbr.executive.planning.devices import check_device_settings, check_devices
 from lbr.executive.planning.draft import Draft
 from lbr.executive.planning.machine import Machine
@@ -70,7 +70,7 @@ def make(
     rows = replace(rows, verbs=words.words(rows, kinds))
     draft = replace(draft, rows=rows)
     whole = all(row.name in kinds for row in rows.capabilities)  # else a word's kind may be left out
-    if whole and (wrong := tuple(said.problems(draft))):
+    if whole and (wrong := tuple(console_lines.problems(draft))):
         return None, wrong
     order = _order(draft.chosen)
     channels = [c for c in rows.channels if c.enabled and {c.source_end[0], c.target_end[0]} <= {EXECUTIVE, *order}]

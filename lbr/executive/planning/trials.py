@@ -13,7 +13,7 @@ from lbr.database import trials
 from lbr.database.store import Database
 from lbr.database.trials import Trial
 from lbr.errors import LbrError
-from lbr.executive import beside
+from lbr.executive import threads
 from lbr.executive.planning.happened import Happened
 from lbr.executive.planning.plan import Change
 from lbr.messages.system import CapabilityStatus
@@ -156,7 +156,7 @@ class Trials:
                 except LbrError:
                     time.sleep(AGAIN_AFTER_S)  # the file is locked, or the disk is full
 
-        self._writing = beside.begin(write, "trial")  # if no thread begins, it is judged again at the next look
+        self._writing = threads.begin(write, "trial")  # if no thread begins, it is judged again at the next look
 
     def _end(self) -> None:
         if self._writing is None or self._writing.is_alive():

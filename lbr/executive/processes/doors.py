@@ -27,7 +27,7 @@ from lbr import home
 from lbr.bus import keys, session
 from lbr.bus.access import TOOLS, Credentials, Rights, everything
 from lbr.errors import BusError
-from lbr.executive import beside
+from lbr.executive import threads
 from lbr.executive.planning import rights
 from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.process_specs import ProcessSpec
@@ -230,7 +230,7 @@ class Doors:
         with self._changed:
             self._over = True
             self._changed.notify_all()
-        closing = beside.begin(self._close_all, "doors close")
+        closing = threads.begin(self._close_all, "doors close")
         if closing is not None:
             closing.join(CLOSES_WITHIN_S)
 

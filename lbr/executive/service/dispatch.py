@@ -29,7 +29,7 @@ from lbr.messages.codes import Reason
 from lbr.messages.leases import StopCommand
 from lbr.messages.schema import JsonObject
 from lbr.messages.system import RANKS, CapabilityStatus, ConsoleResult, Hold, Role
-from lbr.why import telling
+from lbr.why import rendering
 from lbr.why.chain import explain
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
@@ -280,7 +280,7 @@ class Dispatcher:
     def _why(self, call: VerbCall, by: Sender) -> ConsoleResult:
         now = looking.look(self._robot, self._bus, asker=by.source, role=by.role)
         found = explain(now, str(call.payload.get("part", "")))
-        text = "\n".join(telling.lines(found))
+        text = "\n".join(rendering.lines(found))
         return ConsoleResult(code=DONE, text=text, reason_code=found.code or "done", data=msgspec.to_builtins(found))
 
     def _help(self, call: VerbCall, _by: Sender) -> ConsoleResult:

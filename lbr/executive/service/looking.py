@@ -8,7 +8,7 @@ from lbr.executive.planning.facts import facts
 from lbr.executive.planning.plan import Plan
 from lbr.executive.service.robot import Robot
 from lbr.messages.system import Role
-from lbr.why import said
+from lbr.why import states
 from lbr.why.snapshot import Said, Snapshot
 
 ANSWERS_WITHIN_S = 0.12
@@ -33,7 +33,7 @@ def look(robot: Robot, bus: Session, *, asker: str = "", role: Role = "admin") -
 
 def streams(plan: Plan) -> list[str]:
     """Return the keys of the streams with known types, and of those that operations follow."""
-    known = said.understood()
+    known = states.understood()
     wanted = {
         keys.port(plan.robot, name, port)
         for name, unit in plan.units.items()

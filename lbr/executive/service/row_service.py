@@ -15,7 +15,7 @@ from msgspec import Struct
 
 from lbr.bus import wire
 from lbr.errors import InputError, LbrError, MalformedError
-from lbr.executive import beside
+from lbr.executive import threads
 from lbr.executive.planning.live_rows import LiveRows
 from lbr.executive.planning.wiring import EXECUTIVE
 from lbr.executive.services import Service
@@ -110,8 +110,8 @@ class RowService(Service):
         self._running[job.slow] = job
         if job.holds:
             self._rows.held = True
-        if beside.begin(partial(self._run, job), "rows") is None:
-            job.reply = job.asked.refused(beside.NO_THREAD, "busy")
+        if threads.begin(partial(self._run, job), "rows") is None:
+            job.reply = job.asked.refused(threads.NO_THREAD, "busy")
             self._wake()
 
     def _run(self, job: Job) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from lbr.bus.session import Session
 from lbr.errors import LbrError
-from lbr.executive import beside
+from lbr.executive import threads
 from lbr.executive.service.dispatch import Dispatcher, Sender
 from lbr.messages.system import ConsoleResult
 
@@ -53,4 +53,4 @@ def leave() -> threading.Thread | None:
     local = sys.modules.get("lbr.console.local")
     if local is None:
         return None
-    return beside.begin(local.leave, "leave-terminal")
+    return threads.begin(local.leave, "leave-terminal")

@@ -18,7 +18,7 @@ from lbr.commands.rows import opened
 from lbr.database.reading import RawTables
 from lbr.errors import InputError
 from lbr.messages.plain import one_line
-from lbr.why import telling
+from lbr.why import rendering
 from lbr.why.chain import explain
 
 Tables = dict[str, list[dict[str, object]]]
@@ -65,7 +65,7 @@ def _why(moment: Moment, part: str, *, as_json: bool) -> int:
     if as_json:
         print_json(answer)
         return 0
-    for line in telling.lines(answer):
+    for line in rendering.lines(answer):
         click.echo(one_line(line))
     return 0
 

@@ -1,7 +1,7 @@
 """A user's own capability file: it is tried in a separate process first, because importing it runs its code.
 
-`python -m lbr.capability.own` is that process. A robot's own programs import only files that were imported there in
-time, with a complete kind.
+`python -m lbr.capability.user_kinds` is that process. A robot's own programs import only files that were imported there
+in time, with a complete kind.
 """
 
 import ast
@@ -49,7 +49,7 @@ def trial(name: str, path: Path) -> str:
     report = os.memfd_create(f"trial of {name}")
     try:
         popen = subprocess.Popen(
-            [sys.executable, "-P", "-m", "lbr.capability.own", name, str(path), str(report), str(LIMIT_S)],
+            [sys.executable, "-P", "-m", "lbr.capability.user_kinds", name, str(path), str(report), str(LIMIT_S)],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
