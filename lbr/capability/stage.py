@@ -53,7 +53,6 @@ def alone(
     *,
     robot: str = "robot",
     name: str = "",
-    home: str = "/nonexistent",
 ) -> ProcessConfig:
     """Return the process of a kind whose ports and requests are wired to capabilities of the same names."""
     given, name = tuple(rows), name or kind.name
@@ -64,7 +63,7 @@ def alone(
         settings=Raw(settings.encode() if isinstance(settings, str) else settings),
         simulated=True,
         endpoints=(),
-        home=home,
+        home="/nonexistent",
         wiring={
             port: (InputWire(key=keys.port(robot, port, port), source=port, history=DEPTH),)
             for port in (*kind.inputs, *kind.setpoints)

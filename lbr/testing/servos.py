@@ -44,18 +44,19 @@ GUARD_S = 8.0
 ABSENT = 200
 SOURCE = "joints"
 REACH_RAD = 1.5
+BEGIN_RAD = 0.2
 
 
 class Shafts:
     """The servos' shafts, without weight: one with torque turns to its goal, one without stays where it is.
 
-    It is the `live` of a plugged-in twin. `begin_rad` is their first angle, each a little further than the one before,
-    so that no register's default equals it.
+    It is the `live` of a plugged-in twin. Each begins a little further than the one before, so that no register's
+    default equals its angle.
     """
 
-    def __init__(self, ids: Sequence[int], begin_rad: float = 0.2) -> None:
+    def __init__(self, ids: Sequence[int]) -> None:
         self._lock = Lock()
-        self._at = {servo: begin_rad + 0.05 * place for place, servo in enumerate(ids)}
+        self._at = {servo: BEGIN_RAD + 0.05 * place for place, servo in enumerate(ids)}
         self._torque = dict.fromkeys(ids, 0.0)
         self._most = dict.fromkeys(ids, 0.0)
         self._weakened: set[int] = set()

@@ -33,7 +33,7 @@ _G_MPS2 = 9.80665
 class MainBoard:
     """A robot from power-up on, sitting and limp; `now` is the time at each call and never goes back."""
 
-    def __init__(self, row: Uxa90Row | None = None, *, faults: Uxa90Faults | None = None, seed: int = 0) -> None:
+    def __init__(self, row: Uxa90Row | None = None, *, seed: int = 0) -> None:
         self.row = row or Uxa90Row()
         self.programmes: Mapping[int, Programme] = {
             **shipped(),
@@ -44,7 +44,7 @@ class MainBoard:
         self.imu = ImuReading()
         self.playing: int | None = None
         self.last_button = 0
-        self._faults = faults or self.row.faults
+        self._faults = self.row.faults
         self._byte_s = 10.0 / self.row.baud
         self._reader = Reader()
         self._replies = Replies(self._faults, seed, self._byte_s)
