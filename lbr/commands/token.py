@@ -7,7 +7,7 @@ import socket
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, TextIO
+from typing import IO, TYPE_CHECKING
 
 import click
 import msgspec
@@ -185,7 +185,7 @@ def _addresses() -> list[str]:
 
 
 @contextmanager
-def new_file(path: Path | None) -> Iterator[TextIO | None]:
+def new_file(path: Path | None) -> Iterator[IO[str] | None]:
     """Open a new file before making its content; it is removed if that fails."""
     if path is None:
         yield None
@@ -200,7 +200,7 @@ def new_file(path: Path | None) -> Iterator[TextIO | None]:
         yield file
 
 
-def write_configuration(file: TextIO, token: Token, endpoints: list[str]) -> None:
+def write_configuration(file: IO[str], token: Token, endpoints: list[str]) -> None:
     """Write the settings of a client that connects with this token."""
     _, certificate = credentials.bus_certificate()
     pem = certificate.read_text(encoding="ascii")
