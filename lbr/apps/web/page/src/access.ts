@@ -101,7 +101,8 @@ export async function signOut(): Promise<void> {
 
 /** Pairs by six digits; true once this browser has a token of its own. */
 export async function pair(code: string, name: string): Promise<boolean> {
-  const answer = await ask<{ token: string; role: string }>("api/pair", { method: "POST", body: { code: code.replace(/\D/g, ""), name } });
+  const answer = await ask<{ token: string; role: string }>("api/pair", { method: "POST", body: { code: code.replace(/\D/g, ""), name }, quiet: true });
+  if (!answer.ok) notice(answer.code === "token" ? t("sign.wrong") : told(answer), "warn");
   if (!answer.ok || !answer.data) return false;
   return signIn(answer.data.token);
 }

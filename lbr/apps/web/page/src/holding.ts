@@ -138,8 +138,9 @@ function heard(news: HoldNews): void {
   const now = performance.now();
   const awake = !asleep && now - beatAt < AWAKE_MS;
   if (news.code === "lapsed" && !once && awake && now - steadyAt < RETURNS_MS) return goOn();
-  state.value = { ...state.value, holds: news.holds, code: news.code, reason: news.reason, holder: news.holder };
-  if (!news.holds && (news.n === n || news.code)) end(news);
+  const code = news.code === "lapsed" && !awake ? "asleep" : news.code;
+  state.value = { ...state.value, holds: news.holds, code, reason: news.reason, holder: news.holder };
+  if (!news.holds && (news.n === n || code)) end({ ...news, code });
 }
 
 /** The robot stopped because the link was bad for a moment, and the hand is still there: it begins again, from rest. */

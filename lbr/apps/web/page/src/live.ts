@@ -181,11 +181,10 @@ function hear(text: string): void {
   if (told.hold) onHold.forEach((fn) => fn(told.hold!));
 }
 
-function noteStatus(told: Status): void {
-  const before = status.value;
-  status.value = told;
-  const changed = told.revision !== undefined && robot.value !== null && told.revision !== robot.value.revision && before?.revision !== told.revision;
-  if (changed) void look();
+/** Asks anew what the robot is until that is of the rows that it runs by: its server learns of new ones a moment later. */
+function noteStatus(now: Status): void {
+  status.value = now;
+  if (now.revision !== undefined && robot.value !== null && now.revision !== robot.value.revision) void look();
 }
 
 /** The page is hidden or shown: hidden it hears next to nothing. */

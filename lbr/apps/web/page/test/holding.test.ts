@@ -103,7 +103,7 @@ test("a lapse after a worse link, or in a page that slept, ends what the hand mo
   const before = said("hold").length;
   hold(n, lapsed);
   assert.equal(said("hold").length, before);
-  assert.ok(!holding.state.value.moving);
+  assert.deepEqual([holding.state.value.moving, holding.state.value.code], [false, "lapsed"]);
   holding.release();
   socket.tell({});
   holding.move(TO, { power: 0.3 });
@@ -112,7 +112,7 @@ test("a lapse after a worse link, or in a page that slept, ends what the hand mo
   const asleep = said("hold").length;
   hold((said("hold").at(-1)!.hold as { n: number }).n, lapsed);
   assert.equal(said("hold").length, asleep);
-  assert.ok(!holding.state.value.moving);
+  assert.deepEqual([holding.state.value.moving, holding.state.value.code], [false, "asleep"]);
 });
 
 test("a page that slept takes its own hand off, and begins nothing until the hand has rested", () => {

@@ -3,6 +3,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { holding } from "../src/holding";
 import { connect, disconnect } from "../src/live";
+import type { Robot } from "../src/messages";
+import { robot } from "../src/robot";
 import { first } from "../src/views/drive/line";
 import { toneOf, torques } from "../src/views/joints/tone";
 import { deedName, learn } from "../src/words";
@@ -51,6 +53,22 @@ test("why a hand's motion ended is shown for 5 s, and the hand still has to come
   assert.equal(holding.move("drive/command", { power: 0.3 }), false);
   holding.release();
   assert.ok(holding.move("drive/command", { power: 0.3 }));
+  disconnect();
+});
+
+test("what the robot is is asked anew until it is of the rows that the robot runs by", async () => {
+  disconnect();
+  connect();
+  const socket = Socket.all.at(-1)!;
+  socket.open();
+  robot.value = { revision: 1 } as Robot;
+  const revisions = [1, 2, 2];
+  globalThis.fetch = () => Promise.resolve(new Response(JSON.stringify({ revision: revisions.shift() })));
+  for (let count = 3; count > 0; count -= 1) {
+    socket.tell({ streams: { "@status": { age_ms: 0, message: { revision: 2 } } } });
+    for (let left = 30; left > 0; left -= 1) await new Promise((done) => { setImmediate(done); });
+  }
+  assert.deepEqual([robot.value?.revision, revisions], [2, [2]]);
   disconnect();
 });
 
