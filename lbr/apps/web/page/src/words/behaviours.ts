@@ -54,7 +54,6 @@ export const behaviours = {
   "behaviours.rows.role": ["The rows are for those who may operate the robot", "Die Zeilen sind für alle, die den Roboter bedienen dürfen"],
   "behaviours.new": ["New table", "Neue Tabelle"],
   "behaviours.name": ["Name", "Name"],
-  "behaviours.name.rule": ["Small letters, digits and _ between them, a letter first", "Kleinbuchstaben, Ziffern und _ dazwischen, vorne ein Buchstabe"],
   "behaviours.name.there": ["There is a table “{name}” already", "Eine Tabelle „{name}“ gibt es schon"],
   "behaviours.help": ["What it is for", "Wozu sie dient"],
   "behaviours.make": ["Begin it", "Beginnen"],

@@ -7,7 +7,7 @@ import { Badge, Button, Choice, Dialog, Field } from "../../parts";
 import { bytesOf, save } from "../../saving";
 import { t } from "../../words";
 import type { Row } from "../system/manage";
-import { exchange, first, LARGEST, MOST_CHANGES, nameFrom, read, steps, TABLE, write, written, type Fault, type Step, type Summary } from "./data";
+import { exchange, first, LARGEST, MOST_CHANGES, nameFrom, read, steps, TABLE, write, written, type Fault, type Step, type Summary, typed } from "./data";
 import { where } from "./Opened";
 
 interface Taken { file: string; content: string; rows: Step[]; faults: Fault[] }
@@ -35,10 +35,10 @@ export function Import({ owner, tables, onTaken }: { owner: string; tables: Summ
     if (file.size > LARGEST) return notice(t("behaviours.too.large"), "warn");
     const bytes = new Uint8Array(await file.arrayBuffer());
     const content = btoa(Array.from(bytes, (one) => String.fromCharCode(one)).join(""));
-    const called = nameFrom(file.name);
-    const answer = await read(owner, called, file.name, content);
+    const first = nameFrom(file.name);
+    const answer = await read(owner, first, file.name, content);
     if (!answer.ok || !answer.data) return notice(told(answer), "warn");
-    call(called);
+    call(first);
     take({ file: file.name, content, rows: answer.data.rows, faults: answer.data.faults });
   };
   useEffect(() => {
@@ -48,16 +48,15 @@ export function Import({ owner, tables, onTaken }: { owner: string; tables: Summ
     document.addEventListener("drop", drop);
     return () => { document.removeEventListener("dragover", over); document.removeEventListener("drop", drop); };
   });
-  const good = nameFrom(name) === name;
-  const wrong = good ? "" : t("behaviours.name.rule");
+  const called = nameFrom(name);
   const errors = taken?.faults.filter((one) => one.error) ?? [];
   const done = async (): Promise<void> => {
-    const answer = await read(owner, name, taken!.file, taken!.content);  // the rows bear the name of their table
+    const answer = await read(owner, called, taken!.file, taken!.content);  // the rows bear the name of their table
     if (!answer.ok || !answer.data) return notice(told(answer), "warn");
-    if (!(await keep(name, "", answer.data.rows, tables))) return;
-    notice(t("behaviours.import.taken", { name: plain(name), count: answer.data.rows.length }), "good");
+    if (!(await keep(called, "", answer.data.rows, tables))) return;
+    notice(t("behaviours.import.taken", { name: plain(called), count: answer.data.rows.length }), "good");
     take(null);
-    onTaken(name);
+    onTaken(called);
   };
   return (
     <>
@@ -66,10 +65,9 @@ export function Import({ owner, tables, onTaken }: { owner: string; tables: Summ
       <input ref={input} type="file" hidden accept=".csv,.json,.txt,text/csv,application/json" aria-label={t("behaviours.import")} onChange={(event) => { void look(event.currentTarget.files?.[0]); event.currentTarget.value = ""; }} />
       <Dialog
         title={t("behaviours.import.title", { file: taken?.file ?? "" })} open={taken !== null} onClose={() => take(null)}
-        actions={<><Button kind="quiet" onClick={() => take(null)}>{t("dialog.cancel")}</Button><Button kind="primary" icon="check" disabled={!good || errors.length > 0 || !taken?.rows.length} onClick={() => void done()}>{tables.some((one) => one.name === name) ? t("behaviours.import.replace", { name: plain(name) }) : t("behaviours.import.take")}</Button></>}
+        actions={<><Button kind="quiet" onClick={() => take(null)}>{t("dialog.cancel")}</Button><Button kind="primary" icon="check" disabled={!name || errors.length > 0 || !taken?.rows.length} onClick={() => void done()}>{tables.some((one) => one.name === called) ? t("behaviours.import.replace", { name: plain(called) }) : t("behaviours.import.take")}</Button></>}
       >
-        <Field label={t("behaviours.name")} value={name} maxLength={40} aria-invalid={!good} onInput={(event) => call(event.currentTarget.value)} />
-        {wrong && <p class="form-wrong" role="alert">{wrong}</p>}
+        <Field label={t("behaviours.name")} value={name} maxLength={40} onInput={(event) => call(typed(event.currentTarget.value))} />
         <p><Badge tone={errors.length > 0 ? "warn" : "good"} icon={errors.length > 0 ? "warn" : "check"}>{errors.length > 0 ? t("behaviours.faults", { count: errors.length }) : t("behaviours.import.rows", { count: taken?.rows.length ?? 0 })}</Badge></p>
         {taken && taken.faults.length > 0 && <ul class="behaviours-found">{[...errors, ...taken.faults.filter((one) => !one.error)].map((one) => <li key={`${one.line} ${one.column} ${one.text}`} class={one.error ? "form-wrong" : "muted"}><strong>{where(one)}</strong> {one.text}</li>)}</ul>}
       </Dialog>
@@ -81,19 +79,19 @@ export function New({ tables, onMade }: { tables: Summary[]; onMade: (name: stri
   const [open, show] = useState(false);
   const [name, call] = useState("");
   const [help, say] = useState("");
-  const there = tables.some((one) => one.name === name);
-  const wrong = name === "" ? "" : nameFrom(name) !== name ? t("behaviours.name.rule") : there ? t("behaviours.name.there", { name: plain(name) }) : "";
+  const called = nameFrom(name);
+  const there = name !== "" && tables.some((one) => one.name === called);
   const make = async (): Promise<void> => {
-    if (!(await keep(name, help, first(name), tables))) return;
+    if (!(await keep(called, help, first(called), tables))) return;
     show(false);
-    onMade(name);
+    onMade(called);
   };
   return (
     <>
       <Button icon="plus" onClick={() => show(true)}>{t("behaviours.new")}</Button>
-      <Dialog title={t("behaviours.new")} open={open} onClose={() => show(false)} actions={<Button kind="primary" icon="plus" disabled={name === "" || wrong !== ""} onClick={() => void make()}>{t("behaviours.make")}</Button>}>
-        <Field label={t("behaviours.name")} value={name} maxLength={40} placeholder="my_patrol" aria-invalid={wrong !== ""} onInput={(event) => call(event.currentTarget.value)} />
-        {wrong && <p class="form-wrong" role="alert">{wrong}</p>}
+      <Dialog title={t("behaviours.new")} open={open} onClose={() => show(false)} actions={<Button kind="primary" icon="plus" disabled={name === "" || there} onClick={() => void make()}>{t("behaviours.make")}</Button>}>
+        <Field label={t("behaviours.name")} value={name} maxLength={40} placeholder="my_patrol" aria-invalid={there} onInput={(event) => call(typed(event.currentTarget.value))} />
+        {there && <p class="form-wrong" role="alert">{t("behaviours.name.there", { name: plain(called) })}</p>}
         <Field label={t("behaviours.help")} value={help} maxLength={200} onInput={(event) => say(event.currentTarget.value)} />
       </Dialog>
     </>

@@ -53,11 +53,11 @@ export function exchange(old: Step[], next: Step[]): RowChange[] {
 /** The headings that a table's rows use, in their order. */
 export const headings = (rows: Step[], which: "conditions" | "outputs"): string[] => [...new Set(rows.flatMap((row) => Object.keys(row[which])))];
 
-/** A name that a row may have, from what a person typed or a file is called. */
-export const nameFrom = (text: string): string => {
-  const found = nameLetters(text.replace(/(\.states)?\.\w+$/, "")).replace(/^[^a-z]+|_+$/g, "").slice(0, 40);
-  return found || "table";
-};
+/** What a person types as a table's name, in the letters that it may have. */
+export const typed = (text: string): string => nameLetters(text).replace(/^[^a-z]+/, "").slice(0, 40);
+
+/** A table's name, from what a person typed or a file is called. */
+export const nameFrom = (text: string): string => typed(text.replace(/(\.states)?\.\w+$/, "")).replace(/_+$/, "") || "table";
 
 /** What a new table begins with: the robot drives ahead for a moment, or waves, and is at its end. */
 export const first = (behaviour: string): Step[] => {

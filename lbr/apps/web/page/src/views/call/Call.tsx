@@ -1,5 +1,6 @@
 // Call: the robot's picture and sound, one's own, and who else is there.
 import { call, caller, hangUp, hide, hush, ours, ring, silent, unseen } from "../../call";
+import { named } from "../../handover";
 import { useStream } from "../../live";
 import type { CallState, CameraState } from "../../messages";
 import { Badge, Button, Icon } from "../../parts";
@@ -95,7 +96,7 @@ function Words({ state }: { state: CallState | null }) {
     <div class="call-words">
       {state?.lacks && <p class="call-word" data-tone="warn"><Icon name="info" /><span>{t("call.mjpeg.why", { reason: state.lacks })}</span></p>}
       {ended && <p class="call-word" data-tone="warn" role="alert"><Icon name="info" /><span>{t(was ? "call.ended" : "call.mjpeg.why", { reason: ended.replace(/[.\s]+$/, "") })}</span></p>}
-      {other && <p class="call-word" data-tone="warn"><Icon name="person" /><span>{t(state.phase === "ringing" ? "call.rings" : "call.other", { who: state.caller })}</span></p>}
+      {other && <p class="call-word" data-tone="warn"><Icon name="person" /><span>{t(state.phase === "ringing" ? "call.rings" : "call.other", { who: named(state.caller) })}</span></p>}
       {stage === "idle" && !other && !state?.lacks && <p class="call-word"><Icon name="phone" /><span>{may("operate") ? t(state?.at_once ? "call.at_once" : "call.asks") : t("call.role", { role: role.value ?? "" })}</span></p>}
       {lacks && <p class="call-word" data-tone="warn"><Icon name="warn" /><span>{lacks}</span></p>}
       {stage === "talking" && !watches && (

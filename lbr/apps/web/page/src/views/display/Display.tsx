@@ -2,6 +2,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { unknown } from "../../access";
 import { connect, type Connection } from "../../connection";
+import { named } from "../../handover";
 import { useStream } from "../../live";
 import type { CallState, SpeechState } from "../../messages";
 import { Button } from "../../parts";
@@ -25,7 +26,7 @@ function Shown() {
   const stream = useCaller(phase === "talking" || phase === "connecting");
   const [blocked, block] = useState(false);
   const [heard, hear] = useState(0);
-  const who = state?.message.caller ?? "";
+  const who = named(state?.message.caller ?? "");
   if (stream && phase === "talking") {
     return (
       <section class="display-call" aria-label={t("display.caller", { who })}>
