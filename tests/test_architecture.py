@@ -179,8 +179,8 @@ HEAVY = (
     "cryptography",
     "dbus_fast",
 )
-NUMERIC = ("lbr.operations.attitude",)
-"""Families of operations that compute with arrays; no driver is among them."""
+NUMERIC = ("lbr.operations.attitude.fit", "lbr.operations.attitude.fusion")
+"""What computes with arrays; no driver does."""
 FAMILIES = {"wheels": {"roboteq"}, "servos": {"dynamixel", "uxa90"}}
 """What drivers of one sort have in common, and the drivers of that sort: they alone may import it."""
 

@@ -2,9 +2,11 @@
 
 from dataclasses import dataclass
 from datetime import datetime
+from importlib import import_module
 from math import inf
 from pathlib import Path
-from typing import Literal
+from threading import Thread
+from typing import TYPE_CHECKING, Literal
 
 from msgspec.structs import replace
 
@@ -20,13 +22,17 @@ from lbr.messages.imu import ImuSample
 from lbr.messages.leases import CommandReply
 from lbr.operations.attitude import picture
 from lbr.operations.attitude.compass import MagCalibration
-from lbr.operations.attitude.fit import Fit, FitError, fit, level_part
-from lbr.operations.attitude.fusion import Fusion
 from lbr.operations.attitude.gravity import Gravity
 from lbr.operations.attitude.picture import Drawing, Points
 from lbr.operations.attitude.samples import FOLDER, MOST, Samples, load, save
 from lbr.operations.attitude.settings import AttitudeSettings
 
+if TYPE_CHECKING:
+    from lbr.operations.attitude.fit import Fit
+    from lbr.operations.attitude.fusion import Fusion
+
+FITTING = "lbr.operations.attitude.fit"
+"""Imported for the first calibration, as numpy takes 8 MiB; in a thread, as that takes up to a second."""
 DRIVE = LeaseTarget("motion", "halt", "drive", "the drive does not answer")
 CLOCKWISE_DEG, ANTICLOCKWISE_DEG = 90.0, 270.0
 TURN, LOOK = "-", "-c"
@@ -81,7 +87,7 @@ class PendingReport:
 
     samples: Samples
     wanted: int
-    solution: Fit
+    solution: "Fit"
     file: Path | None
     until: float
 
@@ -89,10 +95,12 @@ class PendingReport:
 class Calibration:
     """Handles commands and samples; requests motion, stores the result, and publishes `calibration` and events."""
 
-    def __init__(self, ctx: Context[AttitudeSettings], fusion: Fusion | Gravity) -> None:
+    def __init__(self, ctx: Context[AttitudeSettings], fusion: "Fusion | Gravity") -> None:
         self._ctx = ctx
         self._fusion = fusion
         self._collection: Collection | None = None
+        self._loading = Thread(target=import_module, args=(FITTING,), daemon=True)
+        self._file: tuple[Samples, Path, Call] | None = None
         self._pending: PendingReport | None = None
         self._published_s = -inf
         self._progress = CalibrationProgress(phase="done", collected=0, wanted=0, coverage=0.0)
@@ -100,21 +108,24 @@ class Calibration:
     def command(self, call: Call) -> None:
         """Begin, unless one is in progress."""
         command: CalibrateCommand = call.message
-        if self._collection is not None or self._pending is not None:
+        if self._collection is not None or self._pending is not None or self._file is not None:
             call.refuse("the compass is being calibrated already; 'stop' ends that", "busy")
-        elif command.source in {TURN, LOOK}:
-            self._spin(command, call)
-        else:
-            self._read(command, call)
+            return
+        if self._loading.ident is None:
+            self._loading.start()
+        begin = self._spin if command.source in {TURN, LOOK} else self._read
+        begin(command, call)
 
     def stop(self, reason: str, code: Code) -> bool:
         """End the one in progress and halt; return whether there was one."""
-        if self._collection is None:
-            return False
-        why = Reason(code, reason)
-        self._collection.spin.release(reason)
-        self._give_up(self._collection, why)
-        return True
+        file, collection = self._file, self._collection
+        if file is not None:
+            self._file = None
+            file[2].refuse(reason, code)
+        elif collection is not None:
+            collection.spin.release(reason)
+            self._give_up(collection, Reason(code, reason))
+        return file is not None or collection is not None
 
     def take(self, sample: ImuSample) -> None:
         """Store a sample, right after the fusion has processed it."""
@@ -135,9 +146,10 @@ class Calibration:
 
     def step(self) -> None:
         """Renew the motion, check for enough samples, and publish progress."""
-        collection = self._collection
-        if collection is not None:
-            self._collect(collection)
+        if self._collection is not None:
+            self._collect(self._collection)
+        if self._file is not None and not self._loading.is_alive():
+            self._fit_file(*self._file)
 
     def close(self) -> None:
         """Stop the motion."""
@@ -215,14 +227,19 @@ class Calibration:
         except InputError as err:
             call.refuse(str(err), err.code)
             return
-        trouble = self._fit(samples, len(samples), Path(self._ctx.home) / FOLDER / command.source)
-        if trouble:
+        self._file = samples, Path(self._ctx.home) / FOLDER / command.source, call
+
+    def _fit_file(self, samples: Samples, path: Path, call: Call) -> None:
+        self._file = None
+        if trouble := self._fit(samples, len(samples), path):
             call.refuse(trouble, "failed")
         else:
             call.reply(CommandReply(accepted=True, reason=_summary(self._pending.solution) if self._pending else ""))
 
     def _fit(self, samples: Samples, wanted: int, file: Path | None) -> str:
         """Fit and store the calibration; return the reason for a failure, or an empty string."""
+        from lbr.operations.attitude.fit import FitError, fit  # noqa: PLC0415 - see FITTING
+
         self._publish(_progress("fitting", samples, wanted))
         try:
             solution = fit(samples.mags_ut, samples.ups, self._ctx.settings)
@@ -235,7 +252,7 @@ class Calibration:
         self._pending = PendingReport(samples, wanted, solution, file, self._ctx.clock() + HEADING_S)
         return ""
 
-    def _done(self, samples: Samples, wanted: int, text: str, solution: Fit | None = None) -> None:
+    def _done(self, samples: Samples, wanted: int, text: str, solution: "Fit | None" = None) -> None:
         done = _progress("done", samples, wanted, text)
         if solution is not None:
             done = replace(done, residual=solution.residual, coverage=solution.coverage)
@@ -288,7 +305,7 @@ def _progress(
     return CalibrationProgress(phase=phase, collected=len(samples), wanted=wanted, coverage=samples.coverage, text=text)
 
 
-def _summary(solution: Fit) -> str:
+def _summary(solution: "Fit") -> str:
     x, y, z = solution.calibration.offset_ut
     shape = "level turn" if solution.flat else "all directions"
     return (
@@ -298,4 +315,6 @@ def _summary(solution: Fit) -> str:
 
 
 def _points(calibration: MagCalibration | None, samples: Samples) -> Points:
+    from lbr.operations.attitude.fit import level_part  # noqa: PLC0415 - see FITTING
+
     return [(float(x), float(y)) for x, y in level_part(calibration, samples.mags_ut, samples.ups)]

@@ -1,6 +1,7 @@
 """Attitude as a capability: every sample goes through the fusion, whose state is published at a fixed rate."""
 
 from math import cos, inf, isfinite, radians
+from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
@@ -11,10 +12,12 @@ from lbr.messages.calibration import CalibrationValue, values
 from lbr.messages.leases import CommandReply
 from lbr.messages.motors import RESTS_S
 from lbr.operations.attitude.calibration import Calibration
-from lbr.operations.attitude.fusion import Fusion
 from lbr.operations.attitude.gravity import Gravity
 from lbr.operations.attitude.settings import AttitudeSettings
 from lbr.operations.attitude.turns import Turns
+
+if TYPE_CHECKING:
+    from lbr.operations.attitude.fusion import Fusion
 
 TELL_S = 0.5
 """The time without a valid state before the capability is degraded."""
@@ -36,10 +39,10 @@ class Attitude(Capability[AttitudeSettings]):
     def __init__(self, ctx: Context[AttitudeSettings]) -> None:
         super().__init__(ctx)
         self.rate_hz = ctx.settings.publish_hz
-        kind = Fusion if ctx.settings.gyro else Gravity
-        self._fusion: Fusion | Gravity = kind(
-            ctx.settings, values(ctx.rows(CalibrationValue)), f"{ctx.name}-{ctx.clock():.3f}"
-        )
+        kind: type[Fusion | Gravity] = Gravity
+        if ctx.settings.gyro:
+            from lbr.operations.attitude.fusion import Fusion as kind  # noqa: N813, PLC0415 - with numpy, of 8 MiB
+        self._fusion = kind(ctx.settings, values(ctx.rows(CalibrationValue)), f"{ctx.name}-{ctx.clock():.3f}")
         self._turns = Turns(ctx.settings.observe_s)
         self._calibration = Calibration(ctx, self._fusion)
         self._known_s = -inf

@@ -15,10 +15,10 @@ from lbr.errors import LbrError
 from lbr.messages.units import Vector
 from lbr.operations.attitude.compass import MagCalibration
 from lbr.operations.attitude.geometry import Matrix
+from lbr.operations.attitude.samples import coverage_of
 from lbr.operations.attitude.settings import AttitudeSettings
 
 LEAST_SAMPLES = 50
-SECTORS = 24
 LEAST_SPREAD_UT = 1.0
 FLAT = 0.25
 """The greatest ratio of thickness to length at which a cloud of samples counts as flat."""
@@ -76,11 +76,6 @@ def fit(mags_ut: Sequence[Vector], ups: Sequence[Vector], settings: AttitudeSett
         limit = _OUTLIER_DEVIATIONS * _NORMAL * float(np.median(np.abs(errors - np.median(errors))))
         used = np.abs(errors - np.median(errors)) <= max(limit, 1e-6)
     return _judged(calibration, mags[used], up[used], 1.0 - float(used.mean()), flat=flat, settings=settings)
-
-
-def coverage_of(angles_deg: Sequence[float]) -> float:
-    """Return the fraction of a full turn that these angles cover."""
-    return len({int(angle % 360.0 / (360.0 / SECTORS)) % SECTORS for angle in angles_deg}) / SECTORS
 
 
 def level_part(calibration: MagCalibration | None, mags_ut: Sequence[Vector], ups: Sequence[Vector]) -> Floats:

@@ -11,9 +11,9 @@ from pathlib import Path
 from lbr.errors import InputError
 from lbr.messages.imu import ImuSample
 from lbr.messages.units import Vector
-from lbr.operations.attitude.fit import coverage_of
 
 FOLDER = "calibration"
+SECTORS = 24
 MOST = 4000
 MOST_FILE_BYTES = 4 * 1024 * 1024
 MOST_KEPT = 50
@@ -23,6 +23,11 @@ MOST_NUMBER = 1e6
 SHORT_HEADER = ("x", "y", "z")
 """The columns of the magnetic field in files of other programs; case is ignored."""
 _OWN = re.compile(r"mag-\d{8}-\d{6}\.csv")
+
+
+def coverage_of(angles_deg: Sequence[float]) -> float:
+    """Return the fraction of a full turn that these angles cover."""
+    return len({int(angle % 360.0 / (360.0 / SECTORS)) % SECTORS for angle in angles_deg}) / SECTORS
 
 
 @dataclass(slots=True)

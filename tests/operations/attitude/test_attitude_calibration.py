@@ -3,6 +3,7 @@
 import csv
 from math import sqrt
 from pathlib import Path
+from threading import Event, Thread
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from lbr.operations.attitude.samples import HEADER
 from lbr.operations.attitude.settings import Mounting
 from tests.operations.attitude.attitude_context import AttitudeContext
 from tests.operations.attitude.imu_bench import MadeUpImu, about, apart_deg
+from tests.support.waiting import until
 
 IRON = about(2, 0.5) @ np.diag((1.2, 0.85, 1.0)) @ about(2, -0.5)
 
@@ -22,6 +24,11 @@ def ended(bench):
 
 def last(bench):
     return bench.said("calibration")[-1]
+
+
+def answered(bench, call):
+    """The answer about a file, which waits for the import of what fits."""
+    return until(lambda: bench.run(0.02) or call.answer)
 
 
 def rms_of_heading(bench, seconds=8.0):
@@ -155,9 +162,9 @@ def test_a_file_is_fitted_without_any_motion(bench, tmp_path):
     first = bench.kept.pop()
     commands = len(bench.drive.commands)
     (file,) = (tmp_path / "calibration").glob("mag-*.csv")
-    call = bench.calibrate(2000, file.name)
-    assert call.answer.accepted
-    assert "hard iron" in call.answer.reason
+    answer = answered(bench, bench.calibrate(2000, file.name))
+    assert answer.accepted
+    assert "hard iron" in answer.reason
     assert bench.kept[0] == pytest.approx(first, abs=0.01)
     assert len(bench.drive.commands) == commands
 
@@ -189,10 +196,25 @@ def test_a_file_that_is_no_collection_is_refused_with_the_line(bench, tmp_path, 
     folder = tmp_path / "calibration"
     folder.mkdir(exist_ok=True)
     (folder / "mine.csv").write_text(content)
-    answer = bench.calibrate(100, "mine.csv").answer
+    answer = answered(bench, bench.calibrate(100, "mine.csv"))
     assert not answer.accepted
     assert reason in answer.reason
     assert bench.kept == []
+
+
+def test_a_file_is_not_fitted_if_a_stop_comes_first(bench, tmp_path):
+    (tmp_path / "calibration").mkdir(exist_ok=True)
+    (tmp_path / "calibration" / "mine.csv").write_text("x,y,z\n" + "1,2,3\n" * 100)
+    imported = Event()
+    bench.capability._calibration._loading = Thread(target=imported.wait)
+    call = bench.calibrate(100, "mine.csv")
+    bench.run(0.1)
+    assert "already" in bench.calibrate(500).answer.reason
+    assert bench.stop().answer.accepted
+    imported.set()
+    bench.run(0.1)
+    assert call.answer.code == "stopped"
+    assert bench.said("calibration") == []
 
 
 def test_a_missing_file_is_told_with_those_that_there_are(bench):
