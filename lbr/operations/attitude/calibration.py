@@ -199,10 +199,9 @@ class Calibration:
             self._collecting(collection, text, now)
 
     def _collecting(self, collection: Collection, text: str, now: float) -> None:
-        if now - self._published_s < PUBLISH_S:
-            return
-        self._published_s = now
-        self._publish(_progress("collecting", collection.samples, collection.wanted, text))
+        if now - self._published_s >= PUBLISH_S:
+            self._published_s = now
+            self._publish(_progress("collecting", collection.samples, collection.wanted, text))
 
     def _give_up(self, collection: Collection, reason: Reason) -> None:
         self._collection = None
