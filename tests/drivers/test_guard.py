@@ -48,6 +48,18 @@ guard_release.run(sys.argv[1:], Servos)
 """
 
 
+def test_a_guard_of_wheels_watches_soon_as_it_imports_nothing_else_of_the_project():
+    watched, told = os.pipe()
+    os.write(told, b"q")
+    words = ("-I", "-S", "-X", "importtime", guard_stop.__file__, "-1", str(watched), "-1", "120", "00", "-")
+    done = programs.run([sys.executable, *words], pass_fds=(watched,), capture_output=True, text=True, check=True)
+    imported = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
+    assert "watch" in imported
+    assert not {one for one in imported if one.startswith("lbr")}
+    os.close(watched)
+    os.close(told)
+
+
 def test_a_guard_is_told_often_that_something_may_move_and_seldom_that_nothing_does():
     now, told = [100.0], []
     guard = Guard(lambda pipe, _driver: told.append(os.dup(pipe)) or ["-c", "input()"], (), lambda: now[0], 1.0)

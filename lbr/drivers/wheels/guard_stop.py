@@ -2,8 +2,7 @@
 
 Imports little, and is run by path, without installed packages: `guard_stop.py LINE_FD PIPE_FD DRIVER_PIDFD SILENCE_MS
 STOP_HEX ACKNOWLEDGED_HEX [WORDS_FD WORDS_HEX]`. `-` for an acknowledgement: the controller sends none. See
-`lbr.drivers.watch` for the driver's messages. Before the guard ends a silent driver it writes the words to their
-descriptor.
+`lbr.drivers.watch` for the driver's messages. Before the guard ends a silent driver it writes the words to WORDS_FD.
 """
 
 import os
@@ -13,10 +12,11 @@ import termios
 import time
 from contextlib import suppress
 
-if __name__ == "__main__":
-    sys.path.insert(0, os.path.abspath(f"{__file__}/../../../.."))  # noqa: PTH100  importing pathlib takes too long
-
-from lbr.drivers.watch import outlast
+if __name__ == "__main__":  # the package of all drivers would import much
+    sys.path.append(os.path.abspath(f"{__file__}/../.."))  # noqa: PTH100  importing pathlib takes too long
+    from watch import outlast  # type: ignore[import-not-found]
+else:
+    from lbr.drivers.watch import outlast
 
 TRIES = 10
 AT_LEAST = 2  # the first may end a half-written line of the driver, and be refused with it
