@@ -17,7 +17,7 @@ START_S = 20.0
 RETRY_FIRST_S = 1.0
 RETRY_MOST_S = 30.0
 ANSWER_BYTES = 65536
-RESTS_AFTER_S = 60.0
+RESTS_AFTER_S = 10.0
 """An engine without a text for so long is ended, and the next text starts another: it has 14 MiB."""
 
 

@@ -122,12 +122,12 @@ def test_an_engine_killed_while_it_waits_is_started_again(started, tmp_path):
     assert found.trouble == ""
 
 
-def test_an_engine_without_a_text_for_a_minute_is_ended_and_the_next_text_starts_another(tmp_path):
+def test_an_engine_without_a_text_for_ten_seconds_is_ended_and_the_next_text_starts_another(tmp_path):
     now = [100.0]
     found = Worker(lambda: now[0], engine(tmp_path))
     ready(found)
     assert outcome(found, request(tmp_path / "a.wav")) == ""
-    now[0] += 59.0
+    now[0] += 9.0
     found.poll()
     assert found._popen is not None
     now[0] += 2.0
@@ -135,7 +135,7 @@ def test_an_engine_without_a_text_for_a_minute_is_ended_and_the_next_text_starts
     assert (found._popen, found.idle, found.started, found.trouble) == (None, True, True, "")
     assert outcome(found, request(tmp_path / "b.wav")) == ""
     assert wav.read(tmp_path / "b.wav").duration_s > 0.0
-    now[0] += 61.0
+    now[0] += 11.0
     found.poll()
     assert "died (signal 9)" in outcome(found, request(tmp_path / "c.wav", "die"))
     assert outcome(ready(found), request(tmp_path / "d.wav")) == ""
