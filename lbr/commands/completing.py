@@ -64,23 +64,23 @@ def complete_line(context: click.Context, _parameter: click.Parameter, begun: st
     return []
 
 
-def of_rows(table: str, name: str, text: str) -> Complete:
-    """Return a completion by the column `name` of a table here; the column `text` explains each value."""
+def of_rows(table: str, text: str) -> Complete:
+    """Return a completion by the names of rows here; the column `text` explains each value."""
 
     def complete(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:
         with suppress(LbrError):
             return items(
-                begun, glance.rows(context.params.get("database") or home.default_database(), table, name, text)
+                begun, glance.rows(context.params.get("database") or home.default_database(), table, "name", text)
             )
         return []
 
     return complete
 
 
-complete_capability = of_rows("capability", "name", "help")
-complete_motion = of_rows("motion", "name", "help")
-complete_behaviour = of_rows("behaviour", "name", "help")
-complete_token = of_rows("user_token", "name", "role")
+complete_capability = of_rows("capability", "help")
+complete_motion = of_rows("motion", "help")
+complete_behaviour = of_rows("behaviour", "help")
+complete_token = of_rows("user_token", "role")
 
 
 def complete_setting(context: click.Context, _parameter: click.Parameter, begun: str) -> list[CompletionItem]:

@@ -60,7 +60,7 @@ def add(robot: str, database: Path | None, as_json: bool) -> None:
 
 
 @command.command("remove")
-@click.argument("robot", shell_complete=of_rows("robot", "name", "description"))
+@click.argument("robot", shell_complete=of_rows("robot", "description"))
 @click.option("--dry-run", is_flag=True, help="Show the effects, and write nothing.")
 @database_option
 @json_option

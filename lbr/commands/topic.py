@@ -22,7 +22,6 @@ from lbr.messages.plain import one_line
 
 WAIT_S = 5.0
 SILENT_S = 2.0
-LISTEN_S = 1.0
 REFUSAL_S = 0.3
 POLL_S = 0.02
 DEEPEST = 60
@@ -41,7 +40,7 @@ def list_topics(whom: Whom, as_json: bool) -> int:
     """List streams and commands, with message types and rates; waits a second for streams without a description."""
     with _bus(whom) as (bus, name, source):
         streams = topics.catalogue(bus, name, source)
-        streams = sorted([*streams, *topics.undescribed(bus, name, streams, LISTEN_S)], key=lambda topic: topic.name)
+        streams = sorted([*streams, *topics.undescribed(bus, name, streams)], key=lambda topic: topic.name)
     if as_json:
         print_json([{"name": t.name, "role": t.role, "message": t.message, "rate_hz": t.rate_hz} for t in streams])
         return 0
@@ -62,7 +61,7 @@ def info(topic: str, whom: Whom, as_json: bool) -> int:
         key = topics.key_of(name, topic)
         known, wanted = _known(bus, name, source), key.partition("/")[2]
         if wanted not in {topic.name for topic in known}:
-            known += topics.undescribed(bus, name, known, LISTEN_S)
+            known += topics.undescribed(bus, name, known)
         chosen = topics.choose(known, wanted)
     if as_json:
         print_json({"key": key, "role": chosen.role, "rate_hz": chosen.rate_hz, "schema": chosen.json_schema})

@@ -85,17 +85,17 @@ class Lines:
 
     def _take(self) -> tuple[float, str] | None:
         """Return the time of the next line, and the line; None at the end."""
-        while not self._peek(POLL_S):
+        while not self._peek():
             self._operator.ear.beat()
         came, line = self._next.popleft()
         return None if self.closing or line is None else (came, line)
 
-    def _peek(self, timeout_s: float) -> bool:
+    def _peek(self) -> bool:
         """Return whether a next line (or the end) has come, after a short wait."""
         if self._next:
             return True
         try:
-            self._next.append(self._waiting.get(timeout=timeout_s))
+            self._next.append(self._waiting.get(timeout=POLL_S))
         except queue.Empty:
             return False
         return True
@@ -146,7 +146,7 @@ class Lines:
         until = time.monotonic() + self._hold_s if self._hold_s is not None else None
         while held.ending is None and not self.closing:
             self._operator.ear.beat()
-            ready = self._peek(POLL_S)
+            ready = self._peek()
             if self._is_stop():
                 return None
             if not held.hold.goal and self._is_over(until, ready=ready):

@@ -20,6 +20,7 @@ from lbr.messages.system import RANKS, EstopRequest, Event, Role, Status
 from lbr.names import near
 
 UNDESCRIBED = "(heard; no schema)"
+LISTEN_S = 1.0
 
 
 class Topic(Struct, frozen=True, kw_only=True):
@@ -54,16 +55,16 @@ def catalogue(bus: Session, robot: str, source: str) -> list[Topic]:
     return _placed([topics[name] for name in sorted(topics)], bus, robot, source)
 
 
-def undescribed(bus: Session, robot: str, known: Iterable[Topic], seconds: float) -> list[Topic]:
+def undescribed(bus: Session, robot: str, known: Iterable[Topic]) -> list[Topic]:
     """Listen for streams without a description, such as those of programs of kind exec."""
     arrivals = probe.Arrivals(bus, f"{robot}/**")
-    time.sleep(seconds)
+    time.sleep(LISTEN_S)
     arrived = arrivals.take()
     arrivals.close()
     described = {topic.name for topic in known}
     counts = Counter(arrival.key.removeprefix(f"{robot}/") for arrival in arrived)
     return [
-        Topic(name=name, role="stream", message=UNDESCRIBED, rate_hz=round(count / seconds, 1), json_schema={})
+        Topic(name=name, role="stream", message=UNDESCRIBED, rate_hz=round(count / LISTEN_S, 1), json_schema={})
         for name, count in sorted(counts.items())
         if name not in described and not name.startswith("@")
     ]

@@ -9,17 +9,14 @@ from tests.drivers.peers import Board, ScriptedRoboteq
 
 @pytest.fixture
 def peer(tmp_path: Path) -> Iterator[ScriptedRoboteq]:
-    peer = ScriptedRoboteq(tmp_path / "ttyRoboteq")
-    yield peer
-    peer.finish()
+    with ScriptedRoboteq(tmp_path / "ttyRoboteq") as peer:
+        yield peer
 
 
 @pytest.fixture
 def board(tmp_path: Path) -> Iterator[Board]:
-    board = Board(tmp_path / "ttyRanges")
-    yield board
-    if board.master >= 0:
-        board.unplug()
+    with Board(tmp_path / "ttyRanges") as board:
+        yield board
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import tty
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from lbr.capability.context import Device
 from lbr.capability.kind import Kind
@@ -39,6 +39,16 @@ class Pty:
         os.close(self.keeper)
         os.close(self.master)
         self.master = self.keeper = -1
+
+    def finish(self) -> None:
+        if self.master >= 0:
+            self.unplug()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_of_error: object) -> None:
+        self.finish()
 
     def waiting(self) -> bytes:
         """Take what came and was not read."""
@@ -96,8 +106,7 @@ class ScriptedRoboteq(Pty, Tap):
         self._stop.set()
         for thread in filter(None, (self._babbler, self._server)):
             thread.join()
-        if self.master >= 0:
-            self.unplug()
+        super().finish()
 
     def serve(self) -> None:
         """Answer in a thread what a driver in another process, or its guard, writes."""

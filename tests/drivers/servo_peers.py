@@ -9,8 +9,6 @@ from pathlib import Path
 
 from tests.drivers.peers import Pty
 
-ACK = b""
-
 
 def chk(body: bytes) -> bytes:
     return b"\xff\xff" + body + bytes(((~sum(body)) & 0xFF,))
@@ -107,8 +105,7 @@ class Chain(Pty):
     def finish(self) -> None:
         self._stop.set()
         self._thread.join()
-        if self.master >= 0:
-            self.unplug()
+        super().finish()
 
     def writes(self, address: int) -> list[bytes]:
         """Return the requests that write at this address, to one or to all."""

@@ -21,10 +21,8 @@ def packet(*told: tuple[int, int, int]) -> bytes:
 
 @pytest.fixture
 def port(tmp_path):
-    port = Pty(tmp_path / "pad")
-    yield port
-    if port.master >= 0:
-        port.unplug()
+    with Pty(tmp_path / "pad") as port:
+        yield port
 
 
 @pytest.fixture

@@ -28,10 +28,8 @@ def record(code: int, *, protocol: int = 7, age_s: float = 0.0) -> bytes:
 
 @pytest.fixture
 def receiver(tmp_path):
-    receiver = Pty(tmp_path / "lirc")
-    yield receiver
-    if receiver.master >= 0:
-        receiver.unplug()
+    with Pty(tmp_path / "lirc") as receiver:
+        yield receiver
 
 
 @pytest.fixture

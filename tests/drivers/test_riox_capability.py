@@ -8,7 +8,7 @@ from lbr.drivers.riox import KIND
 from lbr.drivers.riox.capability import MOST_ALIKE, Riox
 from lbr.drivers.riox.controller import QUIET_S, AhrsUnit
 from lbr.errors import DeviceError
-from tests.drivers.peers import Board, DriverContext
+from tests.drivers.peers import DriverContext
 from tests.support.waiting import until
 
 TICK_S = 0.01
@@ -207,14 +207,6 @@ def test_after_this_process_was_held_up_silence_is_counted_anew():
     bench.run(0.5)
     bench.now += 3.0
     assert any(sample.valid for sample in bench.run(0.5))
-
-
-@pytest.fixture
-def board(tmp_path):
-    board = Board(tmp_path / "ttyImu")
-    yield board
-    if board.master >= 0:
-        board.unplug()
 
 
 def test_over_a_real_line_it_asks_and_publishes_and_tells_when_the_cable_is_pulled(board):

@@ -15,7 +15,6 @@ from tests.support.robot import running
 from tests.support.waiting import HANG_S, STOPS_S, until
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "drive_with_plain_zenoh.py"
-S8_S = 0.3
 
 
 def tell(popen: "subprocess.Popen[str]", word: str) -> None:

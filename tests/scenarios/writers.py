@@ -14,7 +14,6 @@ from tests.support.figures import Results
 from tests.support.robot import lbr
 
 FOREIGN_S = 0.4
-SECOND_RUN_LIMIT_MS = 1000.0
 ALREADY_RUNNING = 3
 
 

@@ -39,12 +39,6 @@ def deaf(self, goals):
     """Write no goals."""
 
 
-def energises(self, bus, servo):
-    """Switch a servo on that is only looked for."""
-    bus.put(servo, table.TORQUE_ENABLE, 1)
-    return ""
-
-
 def goes_on(self, outs, snapshot):
     """Hold none."""
 

@@ -25,7 +25,6 @@ RAM = 24
 MODEL_NUMBER = Register("model number", 0, 2, None, 0xFFFF, "")
 FIRMWARE = Register("firmware version", 2, 1, None, 0xFF, "")
 ID = Register("id", 3, 1, 0, 252, "")
-BAUD_RATE = Register("baud rate", 4, 1, 0, 254, "2 Mbps / (value + 1)")
 RETURN_DELAY = Register("return delay time", 5, 1, 0, 254, "2 us")
 CW_LIMIT = Register("CW angle limit", 6, 2, 0, 1023, "300/1023 deg")
 CCW_LIMIT = Register("CCW angle limit", 8, 2, 0, 1023, "300/1023 deg")

@@ -59,10 +59,6 @@ class EmulatedSpatial:
         """Set the interval between samples, in milliseconds."""
         self._say({"interval_ms": DataInterval})
 
-    def getDeviceName(self) -> str:
-        """Return its name."""
-        return "an emulated PhidgetSpatial 3/3/3"
-
     def zeroGyro(self) -> None:
         """Take the gyro's zero."""
         self._say({"zero": True})

@@ -31,9 +31,6 @@ class Spatial(Protocol):
     def setDataInterval(self, DataInterval: int) -> None:
         """Set the interval between samples, in milliseconds; it is lost when the unit is plugged in again."""
 
-    def getDeviceName(self) -> str:
-        """Return its name."""
-
     def zeroGyro(self) -> None:
         """Take the gyro's zero, for about two seconds."""
 

@@ -93,7 +93,7 @@ def parse(content: bytes) -> MtnFile:
             if len(pages) == MOST_PAGES:
                 raise lines.wrong(f"it has more than {MOST_PAGES} pages")
             if not pages:
-                width = len(_wholes(lines, head.get("enable", "0 " * SERVOS), MOST_SERVOS, "enable", at))
+                width = len(_wholes(lines, head.get("enable", "0 " * SERVOS), "enable", at))
             pages.append(_page(lines, len(pages) + 1, width))
         elif key in _HEAD and not pages and key not in head:
             head[key], at[key] = value, lines.number
@@ -103,8 +103,8 @@ def parse(content: bytes) -> MtnFile:
         raise InputError("line 1: it does not say type=motion; is it a motion file?")
     if not pages:
         raise InputError(f"line {lines.number}: the file has no page; it may have been cut off")
-    flags = _wholes(lines, head.get("enable", "1 " * width), MOST_SERVOS, "enable", at)
-    types = _wholes(lines, head.get("motor_type", ""), MOST_SERVOS, "motor_type", at)
+    flags = _wholes(lines, head.get("enable", "1 " * width), "enable", at)
+    types = _wholes(lines, head.get("motor_type", ""), "motor_type", at)
     enabled = tuple(servo for servo, flag in enumerate(flags) if flag)
     return MtnFile(tuple(pages), enabled, tuple(types), head.get("version", ""), _judged(body, end))
 
@@ -167,7 +167,7 @@ def _page(lines: "_Lines", number: int, width: int) -> Page:
         if key == "step":
             steps.append(_step(lines, value, width))
         elif key == "compliance":
-            compliance = tuple(_wholes(lines, value, MOST_SERVOS, key, {}))
+            compliance = tuple(_wholes(lines, value, key, {}))
         elif key == "play_param":
             played = _played(lines, value)
     raise InputError(
@@ -199,10 +199,10 @@ def _played(lines: "_Lines", text: str) -> Page:
     return Page("", (), next=after, exit=after_stop, times=times, speed=speed, inertia=inertia)
 
 
-def _wholes(lines: "_Lines", text: str, most: int, meaning: str, at: dict[str, int]) -> list[int]:
+def _wholes(lines: "_Lines", text: str, meaning: str, at: dict[str, int]) -> list[int]:
     parts = text.split()
-    if len(parts) > most or (meaning == "enable" and not parts):
-        raise lines.wrong(f"{meaning} has {len(parts)} numbers, and 1 to {most} may be", at.get(meaning))
+    if len(parts) > MOST_SERVOS or (meaning == "enable" and not parts):
+        raise lines.wrong(f"{meaning} has {len(parts)} numbers, and 1 to {MOST_SERVOS} may be", at.get(meaning))
     return [_whole(lines, part, meaning, at.get(meaning)) for part in parts]
 
 

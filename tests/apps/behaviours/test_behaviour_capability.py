@@ -38,7 +38,6 @@ start,Go,> 90,,0.3,70,,,Turn
 end,Home,,,0,,,done,
 fail,Stuck,,,0,,,,
 """
-STATES = ("running", "paused", "ended", "resting")
 
 
 def rows(text: str = TABLE, name: str = "patrol") -> tuple[BehaviourTable | BehaviourRow, ...]:

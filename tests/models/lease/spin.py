@@ -19,8 +19,6 @@ from tests.support import programs
 MODEL = Path(__file__).with_name("lease.pml")
 FINE_S = 11 / 128
 """A tick short enough that a setpoint lives for two; binary, so that sums of it are exact."""
-COARSE_S = 15 / 128
-"""A tick in which a setpoint lives and dies, for a search of seconds."""
 DRIVE = DriveSettings(max_run_s=3600.0, blocked_s=3600.0, accel_per_s=50.0)
 ROBOTEQ = RoboteqSettings(device="motors")
 TRACE = "@ "

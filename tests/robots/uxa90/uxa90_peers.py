@@ -64,8 +64,7 @@ class Board(Pty):
     def finish(self) -> None:
         self._stop.set()
         self._thread.join()
-        if self.master >= 0:
-            self.unplug()
+        super().finish()
 
     def _serve(self) -> None:
         while not self._stop.is_set():
