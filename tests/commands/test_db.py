@@ -10,17 +10,10 @@ import pytest
 from lbr import home
 from lbr.database.store import Database
 from lbr.home import Running
-from tests.support import databases
 from tests.support.commands import db
 from tests.support.databases import edit
 
 SHIPPED = Path(__file__).parents[2] / "docs" / "examples"
-
-
-@pytest.fixture
-def path(tmp_path, monkeypatch) -> Path:
-    monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
-    return databases.in_home(tmp_path / "home")
 
 
 def hints(path: Path, *edits: str) -> dict[str, list[str]]:

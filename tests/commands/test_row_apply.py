@@ -4,7 +4,6 @@ import json
 import shutil
 import sqlite3
 from contextlib import closing
-from pathlib import Path
 
 import pytest
 
@@ -15,12 +14,6 @@ from tests.support.databases import asked
 POWER = (
     "UPDATE capability SET settings = json_set(settings, '$.max_power', 0.5) WHERE robot = 'lbr' AND name = 'drive';"
 )
-
-
-@pytest.fixture
-def path(tmp_path, monkeypatch) -> Path:
-    monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
-    return databases.in_home(tmp_path / "home")
 
 
 @pytest.fixture

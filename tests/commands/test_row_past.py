@@ -16,12 +16,6 @@ OWNER = "UPDATE robot SET owner = 'me' WHERE name = 'bioloid'"
 ME = pwd.getpwuid(os.getuid()).pw_name
 
 
-@pytest.fixture
-def path(tmp_path, monkeypatch) -> Path:
-    monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
-    return databases.in_home(tmp_path / "home")
-
-
 def owner(path: Path) -> str:
     ((owner,),) = databases.asked(path, "SELECT owner FROM robot WHERE name = 'bioloid'")
     return owner

@@ -4,6 +4,7 @@ import pytest
 
 from lbr.bus import session
 from tests.console.fake_robot import FakeRobot
+from tests.support.trace import Trace
 
 
 @pytest.fixture
@@ -17,3 +18,10 @@ def robot(tmp_path):
 def client(robot):
     with session.open_client([robot.endpoint]) as bus:
         yield bus
+
+
+@pytest.fixture
+def trace(robot):
+    """What a real robot does, which stops in the end."""
+    yield Trace(robot.trace)
+    robot.line("stop")

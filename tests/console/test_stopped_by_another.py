@@ -28,13 +28,6 @@ def robot(tmp_path_factory):
         yield robot
 
 
-@pytest.fixture
-def trace(robot):
-    trace = Trace(robot.trace)
-    yield trace
-    robot.line("stop")
-
-
 @contextmanager
 def terminal(home, command="console") -> Iterator[OnTerminal]:
     on = OnTerminal(home, [*LBR, command])

@@ -18,7 +18,6 @@ from tests.support import programs
 from tests.support import robot as robots
 from tests.support.clients.terminal import OnTerminal
 from tests.support.robot import LBR, environment
-from tests.support.trace import Trace
 from tests.support.waiting import STOPS_S, until
 
 TURN = "/r/0.4/90"
@@ -28,13 +27,6 @@ TURN = "/r/0.4/90"
 def robot(tmp_path_factory):
     with robots.running(robots.prepare(tmp_path_factory.mktemp("h"))) as robot:
         yield robot
-
-
-@pytest.fixture
-def trace(robot):
-    trace = Trace(robot.trace)
-    yield trace
-    robot.line("stop")
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from tests.drivers.peers import Board, ScriptedRoboteq
+from tests.drivers.servo_peers import Chain
 
 
 @pytest.fixture
@@ -17,6 +18,12 @@ def peer(tmp_path: Path) -> Iterator[ScriptedRoboteq]:
 def board(tmp_path: Path) -> Iterator[Board]:
     with Board(tmp_path / "ttyRanges") as board:
         yield board
+
+
+@pytest.fixture
+def chain(tmp_path: Path) -> Iterator[Chain]:
+    with Chain(tmp_path / "ttyServos") as chain:
+        yield chain
 
 
 @pytest.fixture

@@ -15,13 +15,6 @@ from tests.support.waiting import HANG_S, until
 
 
 @pytest.fixture
-def chain(tmp_path):
-    chain = Chain(tmp_path / "ttyServos")
-    yield chain
-    chain.finish()
-
-
-@pytest.fixture
 def bus(chain):
     with open_bus(str(chain.path), margin_s=0.05) as bus:
         yield bus

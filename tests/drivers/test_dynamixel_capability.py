@@ -87,13 +87,6 @@ class Rig:
 
 
 @pytest.fixture
-def chain(tmp_path):
-    chain = Chain(tmp_path / "ttyServos")
-    yield chain
-    chain.finish()
-
-
-@pytest.fixture
 def rig(chain):
     rig = Rig(chain)
     yield rig

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.robot import Robot, prepare, running
+from tests.support.robot import Robot, prepare
 from tests.support.trace import Trace
 from tests.support.waiting import until
 
@@ -75,12 +75,6 @@ def why_it_stands(robot: Robot, hold: dict, line: str) -> str:
     reply = robot.line(line)
     hold.update(reply.get("hold") or {})
     return f"{drive['reason']}; {reply['text']}"
-
-
-@pytest.fixture(scope="module")
-def robot(shared_home):
-    with running(shared_home) as started:
-        yield started
 
 
 @pytest.fixture(scope="module")

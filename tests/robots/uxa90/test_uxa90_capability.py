@@ -100,13 +100,6 @@ class Rig:
 
 
 @pytest.fixture
-def board(tmp_path):
-    board = Board(tmp_path / "ttyBoard")
-    yield board
-    board.finish()
-
-
-@pytest.fixture
 def rig(board):
     rig = Rig(board)
     yield rig

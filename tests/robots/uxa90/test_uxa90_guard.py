@@ -7,12 +7,9 @@ from contextlib import suppress
 from pathlib import Path
 from tty import setraw
 
-import pytest
-
 from lbr.drivers.servos.guard_release import GuardRelease
 from lbr.errors import DeviceError
 from lbr.robots.uxa90.driver.guard_release import BoardRelease
-from tests.robots.uxa90.uxa90_peers import Board
 from tests.support import programs
 from tests.support.waiting import HANG_S, until
 
@@ -59,13 +56,6 @@ def driving(board, row, play=""):
         until(lambda: all(servo.level == 0 for servo in board.servos.values()))
     board.forget()
     return process
-
-
-@pytest.fixture
-def board(tmp_path):
-    board = Board(tmp_path / "ttyBoard")
-    yield board
-    board.finish()
 
 
 def test_a_driver_that_hangs_is_killed_and_its_guard_holds_the_servos_then_brakes_then_lets_them_go(board):
