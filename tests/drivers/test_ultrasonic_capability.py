@@ -2,6 +2,7 @@ import os
 import sys
 import termios
 import time
+from contextlib import closing
 from fcntl import ioctl
 
 import pytest
@@ -86,20 +87,22 @@ def test_a_board_that_was_still_starting_is_asked_again(ring, ctx, board):
 
 
 def test_no_frame_means_no_message_and_then_silence_is_an_error(ring, ctx, board):
+    began = time.monotonic()
     board.say(LINE % 120)
     hear(ring, ctx)
-    began = time.monotonic()
     with pytest.raises(DeviceError, match=r"'ring' is silent"):
         until(ring.step)
-    assert time.monotonic() - began > 0.15
+    assert time.monotonic() - began > 0.2
     assert len(ctx.published) == 1
 
 
-def test_a_board_that_never_speaks_is_an_error_after_its_start_up_time(ring, ctx):
+def test_a_board_that_never_speaks_is_an_error_after_its_start_up_time(ctx):
     began = time.monotonic()
-    with pytest.raises(DeviceError, match="silent"):
-        until(ring.step)
-    assert time.monotonic() - began > 0.35
+    with closing(KIND.load()(ctx)) as ring:
+        ring.open()
+        with pytest.raises(DeviceError, match="silent"):
+            until(ring.step)
+    assert time.monotonic() - began > 0.4
     assert ctx.published == []
 
 
