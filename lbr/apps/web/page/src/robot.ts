@@ -3,7 +3,7 @@ import { computed, signal } from "@preact/signals";
 import { ask, forget, revoked, token, type Answer } from "./access";
 import { OLD, outdated } from "./build";
 import { notice } from "./notices";
-import { t } from "./words";
+import { maybe, t } from "./words";
 import type { Capability, CommandReply, Role, Robot, Schema } from "./messages";
 
 export { ask as fetchJson } from "./access";
@@ -83,8 +83,13 @@ async function asked<T>(path: string, options: Parameters<typeof ask>[1] & objec
 /** The capabilities that have a command. */
 export const able = (name: string): string[] => (robot.value?.capabilities ?? []).filter(({ commands }) => commands[name]).map((one) => one.name);
 
-export const command = (capability: string, name: string, message: unknown, options: { quiet?: boolean; timeoutMs?: number } = {}): Promise<Answer<CommandReply>> =>
-  asked<CommandReply>(`api/${capability}/${name}`, { method: "POST", body: message, ...options });
+/** Asks a capability for something. What it leaves undone of that is shown, as a refusal is. */
+export async function command(capability: string, name: string, message: unknown, options: { quiet?: boolean; timeoutMs?: number } = {}): Promise<Answer<CommandReply>> {
+  const answer = await asked<CommandReply>(`api/${capability}/${name}`, { method: "POST", body: message, ...options });
+  const undone = answer.ok && !options.quiet ? maybe(`undone.${answer.code}`) : "";
+  if (undone) notice(undone, "warn");
+  return answer;
+}
 
 /** Has the console carry out a line, as if it were typed there. */
 export const consoleLine = (line: string, options: { quiet?: boolean; timeoutMs?: number } = {}): Promise<Answer<{ text?: string; data?: unknown; confirm?: string }>> =>

@@ -5,7 +5,7 @@ import { told } from "../src/access";
 import { status } from "../src/live";
 import { mendable } from "../src/mend";
 import { dismiss, notice, notices, toldLately } from "../src/notices";
-import { robot } from "../src/robot";
+import { command, robot } from "../src/robot";
 import type { Capability, CapabilityStatus, Robot, Status } from "../src/messages";
 import { language, TABLE } from "../src/words";
 
@@ -23,6 +23,13 @@ test("a code with a sentence of the page's own is told by it alone, others with 
   assert.equal(told({ code: "its_own", reason: "no such light" }), "no such light");
   language.value = "en";
   for (const key of Object.keys(TABLE).filter((one) => one.startsWith("refused."))) assert.doesNotMatch(TABLE[key as keyof typeof TABLE]!.join(), /\//, key);
+});
+
+test("what was accepted and left undone in part is told", async () => {
+  globalThis.fetch = () => Promise.resolve(new Response(JSON.stringify({ accepted: true, code: "limit", reason: "left_knee is outside its limits" })));
+  assert.ok((await command("joints", "torque", { on: true })).ok);
+  assert.deepEqual(notices.value.map((one) => one.text), [TABLE["undone.limit"]![0]]);
+  notices.value.forEach((one) => dismiss(one.id));
 });
 
 test("a refusal has a button where this robot, and this person, can mend it so", () => {

@@ -102,6 +102,7 @@ export const shell = {
   "refused.late": ["The link was too slow, and nothing moved. Begin again.", "Die Verbindung war zu langsam, nichts hat sich bewegt. Neu beginnen."],
   "refused.changed": ["Another changed it meanwhile.", "Inzwischen von anderer Hand geändert."],
   "refused.rest_first": ["Release first, then move again.", "Erst loslassen, dann neu bewegen."],
+  "undone.limit": ["Some joints stay off: they are bent beyond their limits. Bend them back by hand first.", "Einige Gelenke bleiben aus: Sie sind über ihre Grenzen gebogen. Erst von Hand zurückbiegen."],
   "mend.on": ["Switch on", "Einschalten"],
   "joints.recover": ["Recover", "Zurücksetzen"],
   "away.silent": ["The robot does not answer", "Der Roboter antwortet nicht"],
