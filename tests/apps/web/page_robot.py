@@ -318,7 +318,7 @@ class PageRobot:
         return {
             "drive/state": drive,
             "ranges/readings": {**near, "bottom_m": 0.1, "status": status | {"bottom": "ok"}, "others_m": {}},
-            "odometry/state": {"valid": True, "epoch": "a", "x_m": base.x, "y_m": base.y, "yaw_rad": base.yaw, "distance_m": base.way, "speed_mps": speed, "turn_rps": 0.0},
+            "odometry/state": {"valid": True, "epoch": "a", "x_m": base.x, "y_m": base.y, "yaw_rad": base.yaw, "distance_m": base.way, "speed_mps": speed, "aside_mps": base.aside * TOP_MPS, "turn_rps": 0.0},
             "attitude/state": {"valid": True, "heading_deg": (90 - math.degrees(base.yaw)) % 360, "roll_rad": 0.0, "pitch_rad": 0.0, "yaw_rad": base.yaw},
             "battery/state": {"valid": True, "voltage_v": 12.6, "charge": 0.82, "charging": False, "level": "ok"},
             "speech/state": {"speaking": False, "text": "", "queued": 0, "spoken": 0, "failed": 0, "sink": "speaker"},

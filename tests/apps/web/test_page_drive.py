@@ -54,6 +54,7 @@ def test_a_base_that_goes_sideways_does_and_turns_by_a_control_of_its_own(opened
     assert within(page, lambda: crab.moves)
     to, message = newest(crab)
     assert (to, message["vx_mps"], message["vy_mps"] < 0, message["wz_rps"]) == ("drive/twist", 0, True, 0)
+    expect(page.locator(".drive-gauge", has_text="Speed")).not_to_contain_text("0.00")
     page.mouse.up()
     assert within(page, lambda: not crab.moves)
     turn(page, 0.3)

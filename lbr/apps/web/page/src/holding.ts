@@ -51,6 +51,8 @@ let over = false;
 /** Since the last release something was asked for: the robot wants to hear of the rest, after a refusal and a stop too. */
 let begun = false;
 let once = false;
+/** It moved since it was begun last. */
+let granted = false;
 let active = false;
 let timer: ReturnType<typeof setTimeout> | undefined;
 
@@ -121,7 +123,7 @@ function slept(): void {
 function release(): void {
   clearTimeout(timer);
   if (state.value.moving) takesOver.value = false;
-  active = over = once = asleep = false;
+  active = over = once = asleep = granted = false;
   beatAt = 0;
   if (begun) send({ release: true });
   pace.value = null;
@@ -137,7 +139,9 @@ function heard(news: HoldNews): void {
   if (!active || news.n < n - LATELY) return;
   const now = performance.now();
   const awake = !asleep && now - beatAt < AWAKE_MS;
-  if (news.code === "lapsed" && !once && awake && now - steadyAt < RETURNS_MS) return goOn();
+  granted ||= news.holds;
+  const slow = news.code === "lapsed" || (news.code === "late" && granted);
+  if (slow && !once && awake && now - steadyAt < RETURNS_MS) return goOn();
   const code = news.code === "lapsed" && !awake ? "asleep" : news.code;
   state.value = { ...state.value, holds: news.holds, code, reason: news.reason, holder: news.holder };
   if (!news.holds && (news.n === n || code)) end({ ...news, code });
@@ -145,6 +149,7 @@ function heard(news: HoldNews): void {
 
 /** The robot stopped because the link was bad for a moment, and the hand is still there: it begins again, from rest. */
 function goOn(): void {
+  granted = false;
   sent = "";
   notice(t("link.back"), "info");
   beat();

@@ -11,7 +11,7 @@ export interface GoalResult {
   error_deg?: number | null; distance_m?: number | null; error_m?: number | null;
 }
 export interface BatteryState { valid: boolean; reason?: string; voltage_v?: number | null; current_a?: number | null; charge?: number | null; charging?: boolean | null; level: string }
-export interface OdometryState { valid: boolean; epoch: string; reason?: string; x_m?: number | null; y_m?: number | null; yaw_rad?: number | null; distance_m?: number | null; speed_mps?: number | null; turn_rps?: number | null; stalled?: boolean; slipping?: boolean }
+export interface OdometryState { valid: boolean; epoch: string; reason?: string; x_m?: number | null; y_m?: number | null; yaw_rad?: number | null; distance_m?: number | null; speed_mps?: number | null; aside_mps?: number | null; turn_rps?: number | null; stalled?: boolean; slipping?: boolean }
 export interface AttitudeState { valid: boolean; reason?: string; code?: string; roll_rad?: number | null; pitch_rad?: number | null; yaw_rad?: number | null; heading_deg?: number | null; heading_reason?: string; calibrated?: boolean }
 export interface CalibrationProgress { phase: "collecting" | "fitting" | "done" | "refused"; collected: number; wanted: number; coverage: number; text?: string }
 export interface Ranges { forward_m?: number | null; back_m?: number | null; left_m?: number | null; right_m?: number | null; bottom_m?: number | null; status: Record<string, string>; others_m?: Record<string, number | null> }

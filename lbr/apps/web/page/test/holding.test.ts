@@ -95,6 +95,20 @@ test("a hand that stays through a lapse begins again from rest, once the link is
   assert.ok(holding.state.value.moving);
 });
 
+test("a push that comes late ends what it moved before it for a moment only, and begins nothing", () => {
+  const late = { holds: false, code: "late", reason: "late" };
+  holding.move(TO, { power: 0.3 });
+  const n = (): number => (said("hold").at(-1)!.hold as { n: number }).n;
+  hold(n());
+  live(200);
+  const before = n();
+  hold(before, late);
+  assert.equal(n(), before + 1);
+  hold(n(), late);
+  assert.equal(n(), before + 1);
+  assert.deepEqual([holding.state.value.moving, holding.state.value.code], [false, "late"]);
+});
+
 test("a lapse after a worse link, or in a page that slept, ends what the hand moved", () => {
   holding.move(TO, { power: 0.3 });
   live(200);

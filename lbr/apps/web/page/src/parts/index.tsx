@@ -119,7 +119,7 @@ export function Choice({ label, value, options, onChange }: { label: string; val
   );
 }
 
-/** A few choices side by side, one of which holds. */
+/** A few choices side by side, one of which holds. Pressed by a pointer, it leaves the arrow keys to what moves the robot. */
 export function Segments<T extends string>({ label, value, options, onChange }: { label: string; value: T; options: { value: T; text: string; icon?: IconName }[]; onChange: (value: T) => void }) {
   const move = (event: KeyboardEvent): void => {
     const step = event.key === "ArrowRight" || event.key === "ArrowDown" ? 1 : event.key === "ArrowLeft" || event.key === "ArrowUp" ? -1 : 0;
@@ -133,7 +133,7 @@ export function Segments<T extends string>({ label, value, options, onChange }: 
   return (
     <div class="segments" role="radiogroup" aria-label={label} onKeyDown={move}>
       {options.map((one) => (
-        <button key={one.value} type="button" role="radio" aria-checked={one.value === value} tabIndex={one.value === value ? 0 : -1} onClick={() => onChange(one.value)}>
+        <button key={one.value} type="button" role="radio" aria-checked={one.value === value} tabIndex={one.value === value ? 0 : -1} onClick={(event) => { onChange(one.value); if (event.detail > 0) event.currentTarget.blur(); }}>
           {one.icon && <Icon name={one.icon} />}<span>{one.text}</span>
         </button>
       ))}

@@ -36,8 +36,9 @@ export function Gauges() {
 
 function Speed({ from }: { from: string }) {
   const sample = useStream<OdometryState>(from);
-  const { speed_mps, distance_m, slipping, stalled, reason } = sample?.message ?? {};
-  return <Gauge icon="speed" label={t("drive.speed")} value={number(speed_mps, 2)} unit="m/s" sample={sample} tone={slipping || stalled ? "warn" : undefined} note={reason || `${t("drive.way")} ${metres(distance_m)}`} />;
+  const { speed_mps, aside_mps, distance_m, slipping, stalled, reason } = sample?.message ?? {};
+  const speed = aside_mps ? Math.hypot(speed_mps ?? 0, aside_mps) : speed_mps;
+  return <Gauge icon="speed" label={t("drive.speed")} value={number(speed, 2)} unit="m/s" sample={sample} tone={slipping || stalled ? "warn" : undefined} note={reason || `${t("drive.way")} ${metres(distance_m)}`} />;
 }
 
 function Nearest({ from }: { from: string }) {
