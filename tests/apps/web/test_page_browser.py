@@ -515,7 +515,7 @@ def test_who_is_unknown_pairs_by_six_digits_and_is_known_from_then_on(opened, ro
     expect(page.locator("#stop")).to_have_count(0)
     page.get_by_label("Six digits").fill("654321")
     page.get_by_role("button", name="Pair").click()
-    expect(page.locator(".notice")).to_contain_text("not the digits")
+    expect(page.locator(".notice")).to_contain_text("digits are wrong")
     page.get_by_label("Six digits").fill("123 456")
     page.get_by_role("button", name="Pair").click()
     grip(page)
