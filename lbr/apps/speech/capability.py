@@ -52,10 +52,7 @@ class Speech(Capability[SpeechSettings]):
 
     def open(self) -> None:
         """Open the sink and start the engine; both are tried during the steps."""
-        device = self.ctx.device
-        if device is None:
-            raise DeviceError(f"'{self.ctx.name}' has no device row '{self.ctx.settings.device}'; add it")
-        sink = sink_at(device.address, self.ctx.clock)
+        sink = sink_at(self.device_row.address, self.ctx.clock)
         try:
             shutil.rmtree(self._scratch, ignore_errors=True)
             self._scratch.parent.mkdir(mode=0o700, exist_ok=True)

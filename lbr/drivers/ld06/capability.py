@@ -28,16 +28,14 @@ class Ld06(Capability[Ld06Settings]):
 
     def open(self) -> None:
         """Open the line; the lidar sends by itself."""
-        settings = self.ctx.settings
-        if self.ctx.device is None:
-            raise DeviceError(f"'{self.ctx.name}' has no device row '{settings.device}'; add it")
+        device, settings = self.device_row, self.ctx.settings
         sensor = next(iter(self.ctx.rows(RangeSensor)), None)
         if sensor is None or sensor.rays < 2:
             what = (
                 "has no row of range_sensor" if sensor is None else "needs more than one ray in the row of range_sensor"
             )
             raise DeviceError(f"'{self.ctx.name}' {what} '{settings.sensor}', which has the place of the lidar; add it")
-        self._line = open_line(self.ctx.device, BAUD)
+        self._line = open_line(device, BAUD)
         self._line.drop_input()
         self._begin()
         self._turn = Turn(sensor, settings.least_confidence)

@@ -11,7 +11,6 @@ from lbr.drivers.inertial import QUIET_HZ, LifeSigns, Notices, Quiet, RestingSam
 from lbr.drivers.mpu9150 import Mpu9150Settings
 from lbr.drivers.mpu9150.controller import InertialUnit
 from lbr.drivers.mpu9150.registers import ADDRESS
-from lbr.errors import DeviceError
 from lbr.messages.imu import ImuSample
 
 MOST_ALIKE = 10
@@ -32,10 +31,7 @@ class Mpu9150(Capability[Mpu9150Settings]):
 
     def open(self) -> None:
         """Open the bus and start the unit."""
-        settings = self.ctx.settings
-        if self.ctx.device is None:
-            raise DeviceError(f"'{self.ctx.name}' has no device row '{settings.device}'; add it")
-        device, tell = self.ctx.device, self._notices.tell
+        device, settings, tell = self.device_row, self.ctx.settings, self._notices.tell
         bus, address = open_bus(device, ADDRESS)
         self._unit = InertialUnit(bus, address, device, settings, tell, self._signs, self.ctx.clock)
         self._unit.start()

@@ -42,9 +42,8 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
 
     def open(self) -> None:
         """Wait a moment for the unit, and start measuring."""
-        if self.ctx.device is None:
-            raise DeviceError(f"'{self.ctx.name}' has no device row '{self.ctx.settings.device}'; add it")
-        opened = self._opened = find(self.ctx.device)
+        device = self.device_row
+        opened = self._opened = find(device)
         self._begin()
         opened.unit.setOnSpatialDataHandler(self._on_data)
         opened.unit.setOnDetachHandler(self._on_detach)
@@ -57,7 +56,7 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
             raise DeviceError(
                 f"{self._device_text()}: {_error_text(err)}; is it plugged in, and may this user use it?"
             ) from err
-        self.ctx.device.tap.opened()
+        device.tap.opened()
         self._heard_s = self.ctx.clock()
 
     def step(self) -> None:
@@ -159,8 +158,7 @@ class PhidgetSpatial(Capability[PhidgetSpatialSettings]):
         self._zeroed_s = self.ctx.clock() + ZERO_S
 
     def _device_text(self) -> str:
-        assert self.ctx.device is not None
-        return f"device '{self.ctx.device.name}' at {self.ctx.device.address}"
+        return f"device '{self.device_row.name}' at {self.device_row.address}"
 
 
 def _error_text(err: Exception) -> str:

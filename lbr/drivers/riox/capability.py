@@ -6,7 +6,6 @@ from lbr.drivers.inertial import LifeSigns, Notices
 from lbr.drivers.riox import RioxSettings
 from lbr.drivers.riox.controller import AhrsUnit
 from lbr.drivers.serial_line import open_line
-from lbr.errors import DeviceError
 from lbr.messages.imu import ImuSample
 
 MOST_ALIKE = 25
@@ -26,9 +25,7 @@ class Riox(Capability[RioxSettings]):
     def open(self) -> None:
         """Open the line."""
         settings = self.ctx.settings
-        if self.ctx.device is None:
-            raise DeviceError(f"'{self.ctx.name}' has no device row '{settings.device}'; add it")
-        line = open_line(self.ctx.device, settings.baud)
+        line = open_line(self.device_row, settings.baud)
         self._unit = AhrsUnit(line, settings, self._notices.tell, self._signs, self.ctx.clock)
         self._unit.open()
 

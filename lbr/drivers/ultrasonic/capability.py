@@ -10,7 +10,6 @@ from lbr.drivers.serial_line import open_line
 from lbr.drivers.ultrasonic import UltrasonicSettings
 from lbr.drivers.ultrasonic.controller import RangeBoard
 from lbr.drivers.ultrasonic.protocol import near, to_ranges
-from lbr.errors import DeviceError
 from lbr.messages.motors import RESTS_S
 from lbr.messages.sensing import Ranges, ranges
 
@@ -42,9 +41,7 @@ class UltrasonicRing(Capability[UltrasonicSettings]):
     def open(self) -> None:
         """Open the line and start the board."""
         settings = self.ctx.settings
-        if self.ctx.device is None:
-            raise DeviceError(f"'{self.ctx.name}' has no device row '{settings.device}'; add it")
-        self._board = RangeBoard(open_line(self.ctx.device, settings.baud), settings, self.ctx.clock)
+        self._board = RangeBoard(open_line(self.device_row, settings.baud), settings, self.ctx.clock)
         self._board.open()
         self._bad_reported = 0
 
