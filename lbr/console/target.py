@@ -17,7 +17,7 @@ from lbr.console import remote
 from lbr.console.printable import listed
 from lbr.errors import BusError, InputError, MalformedError
 from lbr.messages.rows import short
-from lbr.messages.system import RANKS, Role, Status
+from lbr.messages.system import Role, Status, role_missing
 
 
 class Target(Struct, frozen=True, kw_only=True):
@@ -72,8 +72,8 @@ def find_to_stop(robot: str | None, connect: str | None, token_file: Path | None
 
 def need(target: Target, role: Role) -> None:
     """Raise BusError if a robot would silently drop messages that need this role."""
-    if target.certificate and RANKS[target.role] < RANKS[role]:
-        raise BusError(f"this needs the role '{role}', and you have '{target.role}'")
+    if target.certificate and (missing := role_missing(role, target.role)) is not None:
+        raise BusError(missing.text)
 
 
 @contextmanager

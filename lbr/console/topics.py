@@ -16,7 +16,7 @@ from lbr.console.printable import listed
 from lbr.errors import BusError, InputError, MalformedError
 from lbr.messages.rows import short
 from lbr.messages.schema import JsonObject
-from lbr.messages.system import RANKS, EstopRequest, Event, Role, Status
+from lbr.messages.system import RANKS, EstopRequest, Event, Role, Status, role_missing
 from lbr.names import near
 
 UNDESCRIBED = "(heard; no schema)"
@@ -105,7 +105,7 @@ def why_not_publish(topics: Iterable[Topic], key: str, role: Role) -> str:
         "view" if name == "@estop" else known[name].json_schema.get("x-role") if name in known else None
     )
     if needed in RANKS:
-        return "" if RANKS[role] >= RANKS[needed] else f"this needs the role '{needed}', and you have '{role}'"
+        return missing.text if (missing := role_missing(needed, role)) is not None else ""
     return f"from another machine one may publish commands and the emergency stop, and '{short(name)}' is neither"
 
 

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 from msgspec import Meta, Struct
 from msgspec.structs import force_setattr
 
-from lbr.messages.codes import ReasonCode
+from lbr.messages.codes import Reason, ReasonCode
 from lbr.messages.plain import one_line
 
 Role = Literal["view", "operate", "admin"]
@@ -21,6 +21,13 @@ CapabilityPhase = Literal["waiting", "starting", "ready", "degraded", "stopping"
 def higher(one: Role, other: Role) -> Role:
     """Return the higher one of two roles."""
     return max(one, other, key=RANKS.__getitem__)
+
+
+def role_missing(needed: Role, own: Role | None) -> Reason | None:
+    """Return why a user with a role may not do what needs another; None if they may."""
+    if own is not None and RANKS[own] >= RANKS[needed]:
+        return None
+    return Reason("role", f"this needs the role '{needed}', and you have '{own or 'none'}'")
 
 
 class Stamp(Struct, frozen=True, kw_only=True):

@@ -11,7 +11,7 @@ from secrets import token_urlsafe
 from lbr.apps.call.kind import CallSettings
 from lbr.apps.call.messages import CallPhase, Purpose, RingCommand, RingReply
 from lbr.messages.codes import Reason
-from lbr.messages.system import RANKS, Role
+from lbr.messages.system import Role, role_missing
 
 SILENT_S = 8.0
 """A page reports every second that it is open. A phone that is put down, or a poor network, may miss some reports."""
@@ -195,9 +195,8 @@ class Desk:
         if self.lacks:
             return Reason("not_possible", self.lacks)
         needed = {"talk": self._settings.callers, "watch": self._settings.watchers, "display": DISPLAY_ROLE}
-        role = needed[command.purpose]
-        if command.role is None or RANKS[command.role] < RANKS[role]:
-            return Reason("role", f"this needs the role '{role}', and you have '{command.role or 'none'}'")
+        if (missing := role_missing(needed[command.purpose], command.role)) is not None:
+            return missing
         if (fault := fault_of(command.offer)) is not None:
             return fault
         return self._no_display() if command.purpose == "display" else self._no_picture(command.purpose)

@@ -25,10 +25,9 @@ from lbr.executive.service.completion_values import choices
 from lbr.executive.service.letting_in import OPERATE, LettingIn
 from lbr.executive.service.reports import Reports
 from lbr.executive.service.robot import Robot
-from lbr.messages.codes import Reason
 from lbr.messages.leases import StopCommand
 from lbr.messages.schema import JsonObject
-from lbr.messages.system import RANKS, CapabilityStatus, ConsoleResult, Hold, Role
+from lbr.messages.system import RANKS, CapabilityStatus, ConsoleResult, Hold, Role, role_missing
 from lbr.why import rendering
 from lbr.why.chain import explain
 
@@ -140,7 +139,7 @@ class Dispatcher:
         if isinstance(parsed, PythonLine):
             return self._python(parsed.code, by)
         needed = parsed.verb.role if isinstance(parsed, VerbCall) else parsed.command.role
-        if why := _not_allowed(needed, by):
+        if why := role_missing(needed, by.role):
             return ConsoleResult(code=FAILED, text=why.text, reason_code=why.code)
         if by.is_recorded and RANKS[needed] > RANKS["view"]:
             self._robot.record("line", by.audit_name, line[:MOST_RECORDED])
@@ -272,7 +271,7 @@ class Dispatcher:
 
     def _report(self, call: VerbCall, by: Sender) -> ConsoleResult:
         name = str(call.payload.get("name", "telemetry"))
-        if name == ROWS and by.is_recorded and (why := _not_allowed("operate", by)):
+        if name == ROWS and by.is_recorded and (why := role_missing("operate", by.role)):
             return ConsoleResult(code=FAILED, text=why.text, reason_code=why.code)
         data, text = self._reports.make(name)
         return ConsoleResult(code=DONE, text=text, data=data)
@@ -325,12 +324,6 @@ class Dispatcher:
             return ConsoleResult(code=FAILED, text=text, reason_code="failed")
         text = printed.getvalue() + ("" if value is None else repr(value))
         return ConsoleResult(code=DONE, text=text.rstrip("\n"))
-
-
-def _not_allowed(needed: Role, by: Sender) -> Reason | None:
-    if RANKS[by.role] >= RANKS[needed]:
-        return None
-    return Reason("role", f"this needs the role '{needed}', and you have '{by.role}'")
 
 
 def _outcome(name: str, answer: object) -> Outcome | None:

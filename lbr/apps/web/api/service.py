@@ -26,7 +26,7 @@ from lbr.errors import BusError, MalformedError
 from lbr.leases.client import Transport
 from lbr.messages.codes import Reason
 from lbr.messages.description import RobotDescription
-from lbr.messages.system import CapabilityStatus, EstopState, Role, Status
+from lbr.messages.system import CapabilityStatus, EstopState, Role, Status, role_missing
 
 NO_BUS = "the API serves where the robot runs; this server is on another machine"
 NOT_YET = "the robot has not described itself yet; ask again"
@@ -154,9 +154,7 @@ class Api:
             return Reason("unknown_name", f"there is no command '{wanted.to}' on this robot")
         if not command.leased:
             return Reason("not_possible", f"'{wanted.to}' is not held: POST /api/{wanted.to} asks for it")
-        if not client.may(command.role):
-            return Reason("role", f"this needs the role '{command.role}', and you have '{client.role or 'none'}'")
-        return None
+        return role_missing(command.role, client.role)
 
     def _silent_s(self, wanted: Wanted) -> float:
         command = self.known.commands.get(wanted.to) if self.known is not None else None
