@@ -13,7 +13,7 @@ from lbr.apps.speech.request import Request
 from lbr.apps.speech.worker import Worker
 from tests.apps.speech.speech_bench import engine
 from tests.support import needs
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 
 def request(path, text="Hello, I am well.", language="en"):
@@ -38,7 +38,7 @@ def ready(found):
     return found
 
 
-def outcome(found, asked, limit_s=5.0):
+def outcome(found, asked, limit_s=HANG_S):
     found.write(asked, limit_s)
     return until(found.poll).reason
 
@@ -107,7 +107,7 @@ def test_a_robot_without_an_engine_says_so_and_tries_again_later(started, wordin
 )
 def test_a_text_that_breaks_the_engine_fails_and_the_next_one_does_not(started, tmp_path, text, why):
     found = ready(started())
-    assert why in outcome(found, request(tmp_path / "a.wav", text), 0.3 if text == "hang" else 5.0)
+    assert why in outcome(found, request(tmp_path / "a.wav", text), 0.3 if text == "hang" else HANG_S)
     assert found.trouble == ""
     assert outcome(ready(found), request(tmp_path / "b.wav")) == ""
 
