@@ -100,7 +100,7 @@ export const shell = {
   "refused.lapsed": ["The link was too slow, so it stopped. Begin again.", "Die Verbindung war zu langsam, darum hält er. Neu beginnen."],
   "refused.asleep": ["This browser was too busy, so it stopped. Begin again.", "Dieser Browser kam nicht nach, darum hält er. Neu beginnen."],
   "refused.late": ["The link is too slow, so it stands. Begin again.", "Die Verbindung ist zu langsam, darum steht er. Neu beginnen."],
-  "refused.changed": ["Another changed it meanwhile.", "Inzwischen von anderer Hand geändert."],
+  "refused.changed": ["Another changed or deleted it meanwhile.", "Inzwischen von anderer Hand geändert oder gelöscht."],
   "refused.rest_first": ["Release first, then move again.", "Erst loslassen, dann neu bewegen."],
   "undone.limit": ["Some joints stay off: they are bent beyond their limits. Bend them back by hand first.", "Einige Gelenke bleiben aus: Sie sind über ihre Grenzen gebogen. Erst von Hand zurückbiegen."],
   "mend.on": ["Switch on", "Einschalten"],
