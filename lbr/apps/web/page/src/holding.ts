@@ -51,8 +51,9 @@ let over = false;
 /** Since the last release something was asked for: the robot wants to hear of the rest, after a refusal and a stop too. */
 let begun = false;
 let once = false;
-/** It moved since it was begun last. */
+/** It moved since it was begun, or begun again, which was at that time. */
 let granted = false;
+let begunAt = 0;
 let active = false;
 let timer: ReturnType<typeof setTimeout> | undefined;
 
@@ -80,6 +81,7 @@ function begin(to: string, message: object): void {
   over = false;
   wanted = JSON.stringify({ to, message: takesOver.value ? { ...message, take_over: true } : message });
   if (!state.value.moving || state.value.to !== to) state.value = { ...RESTS, moving: true, to };
+  if (!active) begunAt = performance.now();
   active = true;
   beat();
 }
@@ -140,7 +142,7 @@ function heard(news: HoldNews): void {
   const now = performance.now();
   const awake = !asleep && now - beatAt < AWAKE_MS;
   granted ||= news.holds;
-  const slow = news.code === "lapsed" || (news.code === "late" && granted);
+  const slow = news.code === "lapsed" || (news.code === "late" && (granted || now - begunAt < RETURNS_MS));
   if (slow && !once && awake && now - steadyAt < RETURNS_MS) return goOn();
   const code = news.code === "lapsed" && !awake ? "asleep" : news.code;
   state.value = { ...state.value, holds: news.holds, code, reason: news.reason, holder: news.holder };
@@ -149,9 +151,12 @@ function heard(news: HoldNews): void {
 
 /** The robot stopped because the link was bad for a moment, and the hand is still there: it begins again, from rest. */
 function goOn(): void {
+  if (granted) {
+    begunAt = performance.now();
+    notice(t("link.back"), "info");
+  }
   granted = false;
   sent = "";
-  notice(t("link.back"), "info");
   beat();
 }
 

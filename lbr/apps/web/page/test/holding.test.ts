@@ -95,7 +95,7 @@ test("a hand that stays through a lapse begins again from rest, once the link is
   assert.ok(holding.state.value.moving);
 });
 
-test("a push that comes late ends what it moved before it for a moment only, and begins nothing", () => {
+test("a push that comes late is told again with the newest time, for a second, and ends what it began after that", () => {
   const late = { holds: false, code: "late", reason: "late" };
   holding.move(TO, { power: 0.3 });
   const n = (): number => (said("hold").at(-1)!.hold as { n: number }).n;
@@ -104,8 +104,12 @@ test("a push that comes late ends what it moved before it for a moment only, and
   const before = n();
   hold(before, late);
   assert.equal(n(), before + 1);
+  live(500);
   hold(n(), late);
-  assert.equal(n(), before + 1);
+  assert.equal(n(), before + 2);
+  live(600);
+  hold(n(), late);
+  assert.equal(n(), before + 2);
   assert.deepEqual([holding.state.value.moving, holding.state.value.code], [false, "late"]);
 });
 
