@@ -13,7 +13,7 @@ const host = document.getElementById("page")!;
 if (/\/display\/?$/.test(location.pathname)) void import("./views/display/Display").then(({ default: Display }) => render(<Display />, host));
 else render(<App />, host);
 void begin();
-// The last view comes while the robot is asked what it is; with a first visit, the view that the robot has.
-const first = location.hash.slice(1).split("/")[0] || remembered("view", "");
+// The view comes while the robot is asked what it is; one that is not shown after all does no harm.
+const first = location.hash.slice(1).split("/")[0] || remembered("view", "drive");
 void VIEWS.find((one) => one.id === first)?.load().catch(() => undefined);
 window.addEventListener("load", keepPage);
