@@ -275,6 +275,7 @@ def test_a_stop_ends_what_is_published_and_a_network_that_stumbles_is_no_rest_af
             moved = moved or moves(robot)
         assert not moved or publishing.longest_s > 0.9
         client.until(lambda: any("[" in one for one in client.statuses), "why it stands")
+    client.call("/help")  # the bridge has read all that was published before
     rests = time.monotonic()
     until(lambda: time.monotonic() - rests > RESTS_S, what="a rest")
     with closing(Publishing(client)):
