@@ -92,7 +92,7 @@ def _apart(database: Path) -> None:
 
 
 def _costs(robot: Robot, seconds: float, settle_s: float) -> dict[str, Cost]:
-    """Return the cost of each idle process."""
+    """Return the cost of each idle process that is there until the end: a speech engine without a text is ended."""
     Bench.pass_time(settle_s)
     names = _names(robot)
     before = {pid: (_cpu_s(psutil.Process(pid)), _woken(pid)) for pid in names}
@@ -106,6 +106,7 @@ def _costs(robot: Robot, seconds: float, settle_s: float) -> dict[str, Cost]:
             private_mib=_private_mib(psutil.Process(pid)),
         )
         for pid, name in names.items()
+        if psutil.pid_exists(pid)
     }
 
 
