@@ -3,7 +3,7 @@
 `python -m benchmarks footprint --seconds 20 --profile bioloid-sim`. Private memory (USS) is compared with as many
 processes that have only a zenoh session. The sum leaves out the world and its drawing process, which a real robot does
 not have. The cameras are switched off first, unless `--cameras`. A humanoid stands with `--say /torque/on --settle 5`.
-A wake-up is counted whenever a thread slept and was woken. Exit code 1 if a hard value is broken: ready in 3 s.
+`--driving` leaves them on, opens the page in a browser, whose own cost is left out, and drives circles at 0.3 m/s. A wake-up is counted whenever a thread slept and was woken. Exit code 1 if a hard value is broken: ready in 3 s.
 """
 
 import argparse
@@ -11,15 +11,17 @@ import sqlite3
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import closing, contextmanager, suppress
+from contextlib import closing, contextmanager, nullcontext, suppress
 from pathlib import Path
 from typing import NamedTuple
 
 import psutil
 
 from benchmarks import Measured
+from benchmarks.instruments.browsers import browsers
 from lbr.bus.session import leaf_environment
 from lbr.database import store
 from tests.support import programs
@@ -32,6 +34,9 @@ SMOKE = "--seconds 1"
 
 PROMISES = {"ready": Promise(what="`lbr run` to ready, database made", unit="s", hard=3.0)}
 SIMULATION = "world"
+CIRCLE = {"vx_mps": 0.3, "vy_mps": 0.0, "wz_rps": 0.8}
+RENEW_S = 0.1
+LEAST_MPS = 0.2
 
 
 class Cost(NamedTuple):
@@ -58,6 +63,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--settle", type=float, default=2.0, help="seconds until it is at rest (default %(default)s)")
     parser.add_argument("--apart", action="store_true", help="give each capability a process of its own")
     parser.add_argument("--cameras", action="store_true", help="leave the cameras as they come")
+    parser.add_argument("--driving", action="store_true", help="drive circles, with cameras and a page that looks")
 
 
 def measure(given: argparse.Namespace) -> Measured:
@@ -71,17 +77,48 @@ def measure(given: argparse.Namespace) -> Measured:
         robot = start(home, profile=given.profile)
         results.sample("ready", time.monotonic() - began)
         try:
-            if not given.cameras:
+            if not (given.cameras or given.driving):
                 robot.line("/camera/off")
             for line in given.say:
                 robot.line(line)
-            costs = _costs(robot, given.seconds, given.settle)
+            with _drives(robot, home) if given.driving else nullcontext():
+                costs = _costs(robot, given.seconds, given.settle)
         finally:
             let_go(robot)
     with _bare(len(costs)) as bare:
         Bench.pass_time(1.0)
         bare_mib = [_private_mib(process) for process in bare]
-    return Measured(results=results.ordered(), load=f"idle for {given.seconds:g} s", text=_text(costs, bare_mib))
+    return Measured(
+        results=results.ordered(),
+        load=f"{'driving' if given.driving else 'idle'} for {given.seconds:g} s",
+        text=_text(costs, bare_mib),
+    )
+
+
+@contextmanager
+def _drives(robot: Robot, folder: Path) -> Iterator[None]:
+    """Drive circles for the time of a `with`, while a browser shows the page; a robot that stands is an error."""
+    over = threading.Event()
+
+    def circle() -> None:
+        lease = ""
+        while not over.wait(RENEW_S):
+            answer = robot.ask("drive/twist", CIRCLE | {"lease": lease})
+            lease = (answer or {}).get("lease", "")
+
+    with browsers(folder) as opened:
+        opened.open().look(robot.line("pair")["data"]["url"])
+        driver = threading.Thread(target=circle)
+        driver.start()
+        began = time.monotonic()
+        try:
+            yield
+            mean_mps = (robot.ask("odometry/state") or {})["distance_m"] / (time.monotonic() - began)
+            assert mean_mps > LEAST_MPS, f"it drove at {mean_mps:.2f} m/s only"
+        finally:
+            over.set()
+            driver.join()
+            robot.line("stop")
 
 
 def _apart(database: Path) -> None:
