@@ -125,15 +125,16 @@ def at_rest(trace) -> None:
 
 
 def test_a_terminal_that_takes_no_output_stops_the_wheels(robot, trace):
-    with terminal(robot, "console", answers=False) as on, flooded(robot):
-        on.type(f"{TURN}\r".encode())
-        moving(trace)
-        on.freeze()
-        at_rest(trace)
+    with terminal(robot, "console", answers=False) as on:
+        with flooded(robot):
+            on.type(f"{TURN}\r".encode())
+            moving(trace)
+            on.freeze()
+            at_rest(trace)
         on.thaw()
-        # whichever was first; a console without the processor is held up, or its lease lapses
-        told = (b"the terminal has taken no output", b"the console was held up", b"lapsed")
-        until(lambda: any(why in on.said for why in told), what="why, on the terminal")
+        # a busy machine has reasons of its own, or answers too late; that of a terminal is tried in test_terminal.py
+        ends = (f"{TURN}: ".encode(), b"say it again")
+        until(lambda: any(end in on.said for end in ends), what="its end, on the terminal")
 
 
 def test_a_terminal_that_answers_no_more_stops_the_wheels(robot, trace):

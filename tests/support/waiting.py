@@ -11,8 +11,8 @@ HANG_S = 30.0
 """Longer than two busy loops beside the tests hold up anything that comes at all."""
 STOPS_S = 3.0
 """A stop that is lost would leave the robot moving for longer: to the wall, or to the end of its goal."""
-AGAIN_S, SELDOM_S = 0.005, 0.025
-LATER = 0.1
+AGAIN_S, SELDOM_S = 0.005, 0.05
+LATER = 0.2
 """A look costs the robot an answer: the longer it was waited, the later comes the next, by this part of the time."""
 
 
