@@ -17,11 +17,10 @@ from lbr.bus import certificates
 from lbr.capability import lifeline
 from lbr.commands import checks
 from lbr.console import token_store
-from lbr.database.store import create
 from lbr.errors import InputError
 from lbr.executive.planning import credentials
 from lbr.executive.service import latch
-from tests.support import needs, programs
+from tests.support import databases, needs, programs
 from tests.support.waiting import HANG_S
 
 STRANGER = 4321
@@ -196,7 +195,7 @@ def test_a_certificate_may_be_read_by_everybody(place):
 )
 def test_every_command_refuses_a_strangers_log(shared, tmp_path, monkeypatch, words):
     monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
-    create(shared / "robot.db")
+    databases.fresh(shared / "robot.db")
     log = shared / "robot.db-wal"
     assert not as_a_stranger(f"echo edits > {log}").returncode
     done = programs.run(

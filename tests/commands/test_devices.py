@@ -24,7 +24,7 @@ from lbr.commands.devices import Looking
 from lbr.database import store
 from lbr.database.rows import CapabilityRow, DeviceRow, RobotRow, RobotRows
 from lbr.testing.device import plugged
-from tests.support import packages, programs, tap
+from tests.support import databases, packages, programs, tap
 from tests.support.tap import tapped
 
 OUTSIDE = ("roboclaw", "so101")
@@ -301,7 +301,7 @@ def test_gamepads_are_known_by_their_keys_by_cable_and_by_radio_and_what_waits_f
 
 
 def test_the_proposal_of_a_gamepad_is_written_over_the_shipped_rows(tmp_path):
-    assert said(["db", "init"], tmp_path).returncode == 0
+    databases.in_home(tmp_path)
     kinds, _, _ = recognised.known_kinds(tmp_path)
     pad = recognised.Attached(
         place="gamepad", address="input:Pad", path="/dev/input/event4", type="gamepad", what="pad"
@@ -338,7 +338,7 @@ def test_the_proposal_of_a_gamepad_is_written_over_the_shipped_rows(tmp_path):
     ],
 )
 def test_two_alike_that_are_new_are_written_together_and_only_the_first_is_wired(tmp_path, type_, gone, is_so):
-    assert said(["db", "init"], tmp_path).returncode == 0
+    databases.in_home(tmp_path)
     with closing(sqlite3.connect(tmp_path / "robot.db")) as database, database:
         for sql in gone:
             database.execute(sql)

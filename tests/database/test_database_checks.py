@@ -1,6 +1,5 @@
 """Bad rows: every one is named with table, row and column, and nothing in them raises."""
 
-import copy
 import json
 import sqlite3
 from functools import partial
@@ -12,7 +11,6 @@ from hypothesis import strategies as st
 from lbr.apps.dance.messages import DanceStep
 from lbr.database.checks import check as check_rows
 from lbr.database.rows import RobotRow
-from lbr.database.shipped import shipped as shipped_tables
 from lbr.messages.behaviour import BehaviourRow, BehaviourTable
 from lbr.messages.calibration import CalibrationValue
 from lbr.messages.faces import Button, Motor
@@ -21,6 +19,7 @@ from lbr.messages.kinematics import Kinematics, Wheel
 from lbr.messages.sensing import RangeSensor
 from lbr.messages.speech import Phrase
 from lbr.resources import robot_db_sql
+from tests.support import databases
 
 READ = (
     Phrase,
@@ -39,7 +38,7 @@ READ = (
 )
 """What the kinds that come with lbr read."""
 check = partial(check_rows, also=READ)
-_, COLUMNS = shipped_tables()
+_, COLUMNS = databases.tables()
 
 
 def shipped() -> dict:
@@ -117,8 +116,12 @@ def shipped() -> dict:
 SHIPPED = shipped()
 
 
+def copied() -> dict:
+    return {table: [dict(row) for row in rows] for table, rows in SHIPPED.items()}
+
+
 def with_value(table, number, column, value):
-    tables = copy.deepcopy(SHIPPED)
+    tables = copied()
     tables[table][number][column] = value
     return tables
 
@@ -341,7 +344,7 @@ def test_a_robot_that_is_not_there_is_a_problem_naming_those_that_are(wording):
 
 
 def test_rows_of_another_robot_are_left_alone():
-    tables = copy.deepcopy(SHIPPED)
+    tables = copied()
     tables["robot"].append({**tables["robot"][0], "name": "other"})
     tables["capability"].append({**tables["capability"][0], "robot": "other", "settings": "{"})
     assert check(tables, "lbr") == check(SHIPPED, "lbr")
@@ -349,7 +352,7 @@ def test_rows_of_another_robot_are_left_alone():
 
 
 def test_needs_in_a_ring_are_found_in_every_member():
-    tables = copy.deepcopy(SHIPPED)
+    tables = copied()
     names = [row["name"] for row in tables["capability"]]
     for row, needed in zip(tables["capability"], names[1:] + names[:1], strict=True):
         row["needs"] = json.dumps([needed])
@@ -377,7 +380,7 @@ PLACES = [
 
 @given(st.lists(st.tuples(st.sampled_from(PLACES), SQLITE_VALUES), min_size=1, max_size=6))
 def test_mutated_rows_never_raise_and_are_named_or_sound(mutations):
-    tables = copy.deepcopy(SHIPPED)
+    tables = copied()
     for (table, number, column), value in mutations:
         tables[table][number][column] = value
     rows = check(tables, "lbr")
@@ -443,7 +446,7 @@ def test_arbitrary_tables_never_raise(tables):
 )
 @pytest.mark.parametrize("target", ["drive.stop", "executive.report", "drive.command"])
 def test_a_row_that_would_change_a_word_of_every_robot_is_refused_by_name(word, pattern, target):
-    tables = copy.deepcopy(SHIPPED)
+    tables = copied()
     row = {"robot": "lbr", "word": word, "pattern": pattern, "target": target, "payload": None, "role": "admin"}
     tables["verb"].append(row | {"help": ""})
     rows = check(tables, "lbr")

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from lbr.database import edits
 from lbr.database.constraints import refused, words
-from lbr.database.store import Database, create
 from lbr.errors import RowError
 from lbr.messages.calibration import measured
 from lbr.messages.joints import Joint
@@ -33,16 +32,6 @@ def test_there_are_as_many_checks_as_the_schema_has():
     assert len(CHECKS) == robot_db_sql().read_text().count("CHECK (")
 
 
-@pytest.fixture
-def client(tmp_path):
-    path = tmp_path / "robot.db"
-    create(path)
-    connection = sqlite3.connect(path)
-    connection.execute("PRAGMA foreign_keys = ON")
-    yield connection
-    connection.close()
-
-
 @pytest.mark.parametrize(
     "statement",
     [
@@ -64,14 +53,12 @@ def test_a_refused_row_is_told_with_table_column_and_what_is_allowed(client, sta
     wording(words(str(caught.value), statement))
 
 
-def test_what_lbr_itself_writes_is_told_so_too(tmp_path, wording):
-    create(tmp_path / "robot.db")
-    with Database.open(tmp_path / "robot.db") as database:
-        with pytest.raises(RowError) as caught:
-            edits.learn(database, "lbr", [Joint(name="a", device_id=900, lower_rad=0, upper_rad=1, speed_rps=1)])
-        assert str(caught.value) == "joint 'lbr/a': table joint, device_id: must be from 0 to 253"
-        with wording.of(RowError):
-            edits.learn(database, "lbr", list(measured("gone", {"scale": 1.0})))
+def test_what_lbr_itself_writes_is_told_so_too(database, wording):
+    with pytest.raises(RowError) as caught:
+        edits.learn(database, "lbr", [Joint(name="a", device_id=900, lower_rad=0, upper_rad=1, speed_rps=1)])
+    assert str(caught.value) == "joint 'lbr/a': table joint, device_id: must be from 0 to 253"
+    with wording.of(RowError):
+        edits.learn(database, "lbr", list(measured("gone", {"scale": 1.0})))
 
 
 def test_rows_of_ones_own_that_are_refused_are_told_with_their_line(home, tmp_path):

@@ -14,7 +14,7 @@ from lbr.database.restore import restore
 from lbr.database.store import Database, create
 from lbr.errors import InputError, LbrError, RowError
 from lbr.messages.system import Event
-from tests.support import needs
+from tests.support import databases, needs
 from tests.support.small_disk import can_mount, small_disk
 
 AS_ROOT = needs.root("can give files away")
@@ -140,7 +140,7 @@ def test_the_name_under_which_it_was_built_is_no_second_one(path):
 def test_a_folder_further_up_where_somebody_could_swap_the_way(tmp_path, owner):
     folder = tmp_path / "shared" / "mine"
     folder.mkdir(parents=True)
-    create(folder / "robot.db")
+    databases.fresh(folder / "robot.db")
     os.chown(tmp_path / "shared", owner, owner)
     (tmp_path / "shared").chmod(0o755 if owner else 0o777)
     assert f"{tmp_path / 'shared'} " in refusal(folder / "robot.db")
@@ -255,9 +255,7 @@ def test_a_truncated_file(path, kept):
 
 @pytest.fixture(scope="module")
 def pristine(tmp_path_factory):
-    file = tmp_path_factory.mktemp("pristine") / "robot.db"
-    create(file)
-    return file.read_bytes()
+    return databases.fresh(tmp_path_factory.mktemp("pristine") / "robot.db").read_bytes()
 
 
 @given(flips=st.lists(st.tuples(st.floats(0, 1, exclude_max=True), st.integers(0, 7)), min_size=1, max_size=20))

@@ -13,14 +13,13 @@ from lbr.capability import registry
 from lbr.database import edits, schema
 from lbr.database.books import BOOKS
 from lbr.database.rows import CORE
-from lbr.database.shipped import shipped
 from lbr.database.store import Database
 from lbr.resources import launch_profiles, robot_db_sql
-from tests.support import needs, programs
+from tests.support import databases, needs, programs
 
 ROOT = Path(__file__).parents[2]
 TABLE = re.compile(r"CREATE TABLE (\w+) \((.*?)\n\) STRICT", re.DOTALL)
-_, SCHEMA = shipped()
+_, SCHEMA = databases.tables()
 READ = {row.TABLE: row for row in registry.tables()} | {row.TABLE: row for row in (*CORE, *BOOKS)}
 DECLARED = schema.metadata(READ.values())
 OWN = {row.TABLE for row in BOOKS}
@@ -285,19 +284,33 @@ def insert(client: sqlite3.Connection, table: str, columns: dict) -> None:
     client.execute(f"INSERT INTO {table} ({', '.join(columns)}) VALUES ({marks})", tuple(columns.values()))
 
 
+@pytest.fixture(scope="module")
+def opened(tmp_path_factory):
+    path = databases.fresh(tmp_path_factory.mktemp("schema") / "robot.db")
+    with closing(sqlite3.connect(path, isolation_level=None)) as client:
+        client.execute("PRAGMA foreign_keys = ON")
+        yield client
+
+
+@pytest.fixture
+def tried(opened):
+    """A new database with a motion and a behaviour, which takes back what a test has written."""
+    opened.execute("BEGIN")
+    insert(opened, "motion", {"name": "bow"})
+    insert(opened, "behaviour", {"name": "watch"})
+    yield opened
+    opened.execute("ROLLBACK")
+
+
 @pytest.mark.parametrize(("table", "columns"), BAD_ROWS)
-def test_the_schema_refuses(client, table, columns):
-    insert(client, "motion", {"name": "bow"})
-    insert(client, "behaviour", {"name": "watch"})
+def test_the_schema_refuses(tried, table, columns):
     with pytest.raises(sqlite3.IntegrityError):
-        insert(client, table, columns)
+        insert(tried, table, columns)
 
 
 @pytest.mark.parametrize(("table", "columns"), GOOD_ROWS)
-def test_the_schema_takes(client, table, columns):
-    insert(client, "motion", {"name": "bow"})
-    insert(client, "behaviour", {"name": "watch"})
-    insert(client, table, columns)
+def test_the_schema_takes(tried, table, columns):
+    insert(tried, table, columns)
 
 
 def test_every_check_has_a_bad_row():

@@ -13,12 +13,11 @@ from hypothesis import strategies as st
 
 from lbr.database import edits, history
 from lbr.database.checks import RobotRows
-from lbr.database.shipped import shipped
 from lbr.database.store import Database
 from lbr.errors import RowError
 from lbr.messages.calibration import CalibrationValue, measured
 from lbr.messages.system import Event
-from tests.support import programs
+from tests.support import databases, programs
 
 
 def test_rows_come_as_they_stand(database, client):
@@ -142,7 +141,7 @@ def test_closing_twice_is_no_error(path):
 
 
 VALUES = st.none() | st.integers(-(2**63), 2**63 - 1) | st.floats() | st.binary(max_size=9) | st.text(max_size=9)
-PLACES = [(table, column) for table, columns in shipped()[1].items() for column in columns]
+PLACES = [(table, column) for table, columns in databases.tables()[1].items() for column in columns]
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from lbr.database import changes, row_files, sources
 from lbr.database.reading import Problem
 from lbr.database.row_files import File
-from lbr.database.shipped import shipped
 from lbr.errors import InputError, RowError
+from tests.support import databases
 
-TABLES, SCHEMA = shipped()
+TABLES, SCHEMA = databases.tables()
 
 
 def changed(table: str, rows: list) -> tuple[File, ...]:

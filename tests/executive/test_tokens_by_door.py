@@ -9,7 +9,6 @@ from msgspec.structs import replace
 
 from lbr.bus import keys
 from lbr.bus.door import LanUser
-from lbr.bus.tokens import hashed
 from lbr.capability import registry
 from lbr.database.rows import GoodFor, TokenRow
 from lbr.executive.planning import plan as plans
@@ -17,7 +16,7 @@ from lbr.executive.planning import rights
 from tests.support.planning import SITE, planned, shipped
 
 TOKENS = tuple(
-    TokenRow(name=door, role="operate", hash=hashed("x"), created_at="2026-01-01T00:00:00.000Z", good_for=door)
+    TokenRow(name=door, role="operate", hash="h" * 32, created_at="2026-01-01T00:00:00.000Z", good_for=door)
     for door in get_args(GoodFor)
 )
 

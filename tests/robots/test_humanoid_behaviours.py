@@ -12,11 +12,11 @@ from lbr.apps.behaviours.kernel import DONE, Outcome, Run
 from lbr.apps.behaviours.keys import Key
 from lbr.apps.behaviours.outputs import Wait
 from lbr.apps.behaviours.table import Parts, Table, compile_table, linked
-from lbr.database.shipped import shipped
 from lbr.messages.behaviour import BehaviourRow, BehaviourTable
 from lbr.messages.codes import Reason
 from lbr.messages.joints import PlayCommand
 from lbr.messages.speech import SayCommand
+from tests.support import databases
 
 TICK_S = 0.05
 FELL = Outcome(False, Reason("fallen", "the robot has fallen"))
@@ -44,7 +44,7 @@ FALLEN = {
 @cache
 def tables(robot: str) -> dict[str, Table]:
     """The tables of a robot's rows, as it compiles them."""
-    rows, _ = shipped()
+    rows, _ = databases.tables()
 
     def mine(table: str) -> list[dict[str, Any]]:
         return [{name: row[name] for name in row if name != "robot"} for row in rows[table] if row["robot"] == robot]
@@ -281,7 +281,7 @@ def test_the_uxa90s_show_ends_with_its_dance_and_keeps_to_where_it_stood():
 
 @pytest.mark.parametrize("robot", ["bioloid", "uxa90"])
 def test_every_motion_that_a_table_plays_is_a_row(robot):
-    rows, _ = shipped()
+    rows, _ = databases.tables()
     there = {row["name"] for row in rows["motion"] if row["robot"] == robot}
     played = {
         motion.strip()

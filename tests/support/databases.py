@@ -10,7 +10,10 @@ from typing import Any
 
 from lbr import plugins
 from lbr.database import store
+from lbr.database.reading import RawTables
 from lbr.database.rows import TokenRow
+from lbr.database.shipped import shipped
+from lbr.database.tables import Schema
 from lbr.messages.system import TokenRole
 
 
@@ -49,6 +52,12 @@ def token(name: str, role: TokenRole, kept: str, expires_at: str | None = None, 
     return TokenRow(
         name=name, role=role, hash=kept, expires_at=expires_at, **{"created_at": "2026-01-01T00:00:00.000Z", **more}
     )
+
+
+@cache
+def tables() -> tuple[RawTables, Schema]:
+    """Return the rows of a new database and their columns, read once in a process: nobody changes them."""
+    return shipped()
 
 
 @cache

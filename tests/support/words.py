@@ -7,8 +7,8 @@ from msgspec.structs import replace
 from lbr.capability import registry
 from lbr.database.checks import check
 from lbr.database.rows import RobotRows
-from lbr.database.shipped import shipped
 from lbr.executive.planning.words import words
+from tests.support import databases
 
 NOWHERE = Path("/nowhere")
 
@@ -19,5 +19,5 @@ def with_words(rows: RobotRows) -> RobotRows:
 
 
 def as_shipped(robot: str) -> RobotRows:
-    tables, _ = shipped()
+    tables, _ = databases.tables()
     return with_words(check(tables, robot))

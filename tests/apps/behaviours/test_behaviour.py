@@ -6,7 +6,6 @@ import pytest
 
 from lbr.apps.behaviours import files
 from lbr.cli import main
-from lbr.database.shipped import shipped
 from tests.docs.pages import ROOT, blocks
 from tests.support import databases
 
@@ -124,7 +123,7 @@ def test_the_shipped_behaviours_have_no_faults_and_are_those_in_the_examples(hom
     folder = EXAMPLES if robot == "lbr" else EXAMPLES / robot
     assert main(["behaviour", "list", "--robot", robot]) == 0
     assert "✗" not in capsys.readouterr().out
-    rows, _ = shipped()
+    rows, _ = databases.tables()
     names = {row["name"] for row in rows["behaviour"] if row["robot"] == robot}
     assert names == {path.stem for path in folder.glob("*.csv")}
     for name in sorted(names):

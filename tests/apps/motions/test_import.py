@@ -34,6 +34,7 @@ def made(tmp_path_factory):
 @pytest.fixture
 def place(tmp_path, monkeypatch, made):
     monkeypatch.setenv("LBR_HOME", str(tmp_path))
+    monkeypatch.setattr("lbr.apps.motions.commands.importing.shipped", databases.tables)
     (tmp_path / "robot.db").write_bytes(made)
     (tmp_path / "robot.db").chmod(0o600)
     (tmp_path / "old").mkdir()

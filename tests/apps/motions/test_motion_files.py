@@ -11,7 +11,6 @@ from msgspec.structs import replace
 from lbr.apps.motions.commands import motion_files
 from lbr.database import store
 from lbr.database.checks import check
-from lbr.database.shipped import shipped
 from lbr.errors import InputError
 from lbr.messages.joints import Joint, KeyFrame, Motion, MotionStep
 from lbr.robot.motion_file import LARGEST_BYTES
@@ -56,7 +55,7 @@ def test_a_file_is_read_field_by_field(rows):
 
 
 def test_nominal_counts_become_angles_of_the_joints_whatever_the_robots_own_zeros_are(rows):
-    raw, columns = shipped()
+    raw, columns = databases.tables()
     other = {**raw, "joint": [{**row, "zero_rad": row["zero_rad"] + 0.1} for row in raw["joint"]]}
     moved = check(other, "uxa90", columns=columns)
     for known in (rows, moved):

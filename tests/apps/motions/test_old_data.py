@@ -1,7 +1,6 @@
 """Old data by chance: whatever stands in a file, it becomes good rows, a note or a sentence; nothing else happens."""
 
 import contextlib
-from functools import cache
 
 import pytest
 from hypothesis import given
@@ -10,26 +9,21 @@ from hypothesis import strategies as st
 from lbr.apps.motions.commands import wanted_rows
 from lbr.database import foreign_tables, given_files
 from lbr.database.columns import columns, raw
-from lbr.database.shipped import shipped
 from lbr.errors import InputError
 from lbr.robot.old_data import Choice, Note, Source, Want
 from lbr.robots.lbr.old_cameras import OldCameras
 from lbr.robots.lbr.old_database import OldDatabase
 from lbr.robots.uxa90 import old_tables
+from tests.support import databases
 from tests.support.old_data import ROWS, old_database, old_sql
 
 CELLS = st.one_of(st.none(), st.integers(-(2**63), 2**63 - 1), st.floats(), st.text(max_size=12), st.binary(max_size=4))
 JSON = st.recursive(st.none() | st.booleans() | st.floats() | st.integers() | st.text(max_size=8), lambda one: st.lists(one, max_size=3) | st.dictionaries(st.text(max_size=8), one, max_size=3), max_leaves=6)  # fmt: skip
 
 
-@cache
-def shipped_rows():
-    return shipped()[0]
-
-
 def taken(robot, data):
     """What becomes of old data; the rows are such as their tables take."""
-    rows = shipped_rows()
+    rows, _ = databases.tables()
     here = wanted_rows.RowsOfRobot(rows, robot)
     wishes = list(data.wants(here, Choice("lbr6")))
     notes = [one for one in wishes if isinstance(one, Note)]
