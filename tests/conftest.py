@@ -120,8 +120,12 @@ def _is_left_out(path: Path, config: pytest.Config) -> bool:
 def _names(test: str) -> Iterator[str]:
     """Yield the test, the test without its parameter, its module and the folders of that."""
     path, _, name = test.partition("::")
-    yield from (test, f"{path}::{name.partition('[')[0]}", path)
-    yield from map(str, Path(path).parents)
+    yield from (test, f"{path}::{name.partition('[')[0]}", *_places(path))
+
+
+@cache
+def _places(path: str) -> tuple[str, ...]:
+    return path, *map(str, Path(path).parents)
 
 
 @pytest.fixture(autouse=True, scope="module")

@@ -6,7 +6,7 @@ import re
 import statistics
 import sys
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from importlib import import_module
@@ -211,12 +211,9 @@ def of(path: Path) -> frozenset[str]:
     return imports(text(path), dotted(path), package=path.name == "__init__.py")
 
 
-def statements(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield every statement below a node; what is inside of expressions, most of a module, cannot import."""
-    for part in ("body", "orelse", "finalbody", "handlers", "cases"):
-        for child in getattr(node, part, ()):
-            yield child
-            yield from statements(child)
+COMMENT = re.compile(r"#.*")
+IMPORT = re.compile(r"^[ \t]*(?:from +(\.*)([\w.]*) +)?import +(\([^)]*\)|.+)", re.MULTILINE)
+"""A statement that imports begins its line, as the formatter sees to; one in a text of code counts as well."""
 
 
 @cache
@@ -224,13 +221,10 @@ def imports(source: str, module: str, *, package: bool = False) -> frozenset[str
     """Every module that a source imports, at its top or inside a function, by full name."""
     base = module.split(".") if package else module.split(".")[:-1]
     found = set()
-    for node in statements(ast.parse(source)):
-        if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            start = base[: len(base) + 1 - node.level] if node.level else []
-            origin = ".".join([*start, *([node.module] if node.module else [])])
-            found |= {f"{origin}.{alias.name}" for alias in node.names}
+    for dots, origin, names in IMPORT.findall(COMMENT.sub("", source)):
+        start = base[: len(base) + 1 - len(dots)] if dots else []
+        place = [*start, *([origin] if origin else [])]
+        found |= {".".join([*place, name.split()[0]]) for name in names.strip("()").split(",") if name.strip()}
     return frozenset(found)
 
 
