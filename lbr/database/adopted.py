@@ -17,9 +17,9 @@ def digest(tables: RawTables) -> str:
     """Return the hash of the rows that make robots, without the columns that lbr itself writes."""
     hasher = blake2b(digest_size=16)
     for table, rows in sorted(tables.items()):
+        names = sorted(name for name in next(iter(rows), {}) if (table, name) not in WRITTEN_BY_LBR)
         for row in rows:
-            written = sorted((name, value) for name, value in row.items() if (table, name) not in WRITTEN_BY_LBR)
-            hasher.update(repr((table, written)).encode(errors="surrogateescape"))
+            hasher.update(repr((table, [(name, row[name]) for name in names])).encode(errors="surrogateescape"))
     return hasher.hexdigest()
 
 

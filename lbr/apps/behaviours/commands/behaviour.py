@@ -277,17 +277,16 @@ def _read(path: Path, name: str) -> Read:
 def _fits(path: Path, table: BehaviourTable, read: Read, rows: RobotRows | None) -> Compiled:
     """Return a file's table, checked beside the robot's own; raise RowError with all faults. If cells are unreadable,
     only cells are checked, as the states are incomplete."""
+    parts = _parts(rows)
     if read.faults:
         problems = [(fault.line, f"{path}, {fault}") for fault in read.faults]
         problems += [
             (read.lines.get(fault.step, 0), _located(str(path), fault, read.lines))
-            for fault in cell_faults(read.rows, _parts(rows))
+            for fault in cell_faults(read.rows, parts)
         ]
         raise RowError(tuple(one_line(text) for _, text in sorted(problems, key=lambda problem: problem[0])))
-    compiled = {
-        **(_alone(rows) if rows is not None else {}),
-        table.name: compile_table(table, read.rows, _parts(rows)),
-    }
+    alone = _alone(rows, parts) if rows is not None else {}
+    compiled = {**alone, table.name: compile_table(table, read.rows, parts)}
     mine = (linked(compiled) if rows is not None else compiled)[table.name]
     if mine.errors:
         raise RowError(tuple(one_line(_located(str(path), fault, read.lines)) for fault in mine.errors))
@@ -307,12 +306,12 @@ def _located(where: str, fault: Fault, lines: Mapping[int, int]) -> str:
 
 
 def _compiled(rows: RobotRows) -> dict[str, Compiled]:
-    return linked(_alone(rows))
+    return linked(_alone(rows, _parts(rows)))
 
 
-def _alone(rows: RobotRows) -> dict[str, Compiled]:
+def _alone(rows: RobotRows, parts: Parts) -> dict[str, Compiled]:
     """Return every table of a robot, each checked by itself."""
-    return compiled_alone(rows.of(BehaviourTable), rows.of(BehaviourRow), _parts(rows))
+    return compiled_alone(rows.of(BehaviourTable), rows.of(BehaviourRow), parts)
 
 
 def _parts(rows: RobotRows | None) -> Parts:
