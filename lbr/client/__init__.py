@@ -17,7 +17,7 @@ lease of a program that is killed or frozen expires, and the robot stops by itse
 
 from lbr.client.finding import Found, find
 from lbr.client.motion import KeptMotion, Message, Motion, RefusalError
-from lbr.client.robot import Picture, Robot, Said, connect
+from lbr.client.robot import LineResult, Picture, Robot, connect
 from lbr.client.words import Word, Words
 from lbr.errors import BusError, InputError, LbrError
 
@@ -27,12 +27,12 @@ __all__ = [
     "InputError",
     "KeptMotion",
     "LbrError",
+    "LineResult",
     "Message",
     "Motion",
     "Picture",
     "RefusalError",
     "Robot",
-    "Said",
     "Word",
     "Words",
     "connect",

@@ -23,7 +23,7 @@ import msgspec
 
 from lbr.bus import wire
 from lbr.client.motion import AT_MOST_S, KEEP_S, LONGEST_S, Message, Motion, bounded
-from lbr.client.robot import HELD_S, Picture, Robot, Said
+from lbr.client.robot import HELD_S, LineResult, Picture, Robot
 from lbr.client.robot import connect as connect_blocking
 from lbr.client.words import Words
 from lbr.console.lines import POLL_S
@@ -95,7 +95,7 @@ class AsyncRobot:
         async with aclosing(self.pictures(camera)) as found:
             return await anext(found)
 
-    async def say(self, line: str, *, hold_s: float = HELD_S) -> Said:
+    async def say(self, line: str, *, hold_s: float = HELD_S) -> LineResult:
         """Send a console line and return when it is done; unbounded motion is held for `hold_s`, then stopped.
 
         Raise RefusalError if it is refused, or does not end as planned. If it is cancelled, its motion stops.

@@ -26,7 +26,7 @@ HELD_S = 5.0
 GONE = "the robot has ended since this program connected; if it runs again, connect again"
 
 
-class Said(NamedTuple):
+class LineResult(NamedTuple):
     """A robot's answer to a line: its text, the data for programs, and the end of the motion that it began."""
 
     text: str
@@ -57,7 +57,7 @@ class Robot:
         self._operator = BusOperator(
             self._session, place.robot, source, role=place.role, proof=place.proof, listen=False
         )
-        self._words: Words[Said] | None = None
+        self._words: Words[LineResult] | None = None
         self._leave = partial(_leave, ref(self))
         atexit.register(self._leave)
 
@@ -143,14 +143,14 @@ class Robot:
         with closing(self.pictures(camera)) as found:
             return next(found)
 
-    def say(self, line: str, *, hold_s: float = HELD_S) -> Said:
+    def say(self, line: str, *, hold_s: float = HELD_S) -> LineResult:
         """Send a console line and return when it is done; unbounded motion is held for `hold_s`, then stopped.
 
         Raise RefusalError if it is refused, or does not end as planned.
         """
         return self.say_kept(line, hold_s=hold_s, beat=self.operator.ear.beat)
 
-    def say_kept(self, line: str, *, hold_s: float, beat: Callable[[], None]) -> Said:
+    def say_kept(self, line: str, *, hold_s: float, beat: Callable[[], None]) -> LineResult:
         """Send a line as `say` does; its motion goes on only while `beat`, or another thread, calls
         `operator.ear.beat`."""
         try:
@@ -162,10 +162,10 @@ class Robot:
         if code != 0:
             said = ending or result
             raise RefusalError((ending.code if ending else result.reason_code) or "failed", said.text)
-        return Said(result.text, result.data, ending.text if ending else "")
+        return LineResult(result.text, result.data, ending.text if ending else "")
 
     @property
-    def do(self) -> Words[Said]:
+    def do(self) -> Words[LineResult]:
         """Return the robot's words as methods: `robot.do.play("wave")` sends `/play/wave`; Tab completes them."""
         if self._words is None:
             self._words = Words(self.operator.words, self.say)

@@ -5,7 +5,7 @@ from math import inf, isnan
 from msgspec.structs import replace
 
 from lbr.leases.ask import Ask
-from lbr.leases.ending import Decision, Said, drop_offers, end, end_all, report_holder
+from lbr.leases.ending import Decision, Endings, drop_offers, end, end_all, report_holder
 from lbr.leases.lease import IDLE, Ended, EstopChanged, Lease, LeaseTable, M, Reply, Stop
 from lbr.leases.rules import forget_persistent, note_persistent, persists
 from lbr.messages.codes import Reason
@@ -66,7 +66,7 @@ def _begin(leases: LeaseTable[M], ask: Ask[M], motion: M) -> Decision[M]:
     source = offer.source if offer else ask.request.source
     why = Reason("taken_over", f"taken over by {source}") if before else None
     lease = _new_lease(ask, motion)
-    replaced: Said[M] = ()
+    replaced: Endings[M] = ()
     if offer is not None:
         lease = _quoting(ask, replace(lease, id=offer.id, source=offer.source))
         if ask.confirms is None:

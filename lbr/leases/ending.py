@@ -19,8 +19,8 @@ from lbr.leases.lease import (
 from lbr.leases.rules import PERSISTENT_S
 from lbr.messages.codes import Reason
 
-Said = tuple[Ended[M] | Happened, ...]
-Decision = tuple[LeaseTable[M], Said[M]]
+Endings = tuple[Ended[M] | Happened, ...]
+Decision = tuple[LeaseTable[M], Endings[M]]
 
 REVOKED_KEPT = 32
 UNPLANNED = ("lapsed", "fault")
@@ -49,7 +49,7 @@ def end_all(leases: LeaseTable[M], how: Ending, why: Reason, now: float) -> Deci
 
 def lapse(leases: LeaseTable[M], now: float) -> Decision[M]:
     """End leases and offers that were not renewed or quoted in time; the comparisons end them on NaN."""
-    messages: Said[M] = ()
+    messages: Endings[M] = ()
     lapsed = tuple(offer for offer in leases.offers if not now < offer.expires)
     if lapsed:
         why = Reason("lapsed", f"not confirmed within {lapsed[0].ttl_s:g} s")
@@ -64,7 +64,7 @@ def lapse(leases: LeaseTable[M], now: float) -> Decision[M]:
 
 def drop_offers(leases: LeaseTable[M], offers: tuple[Lease[M], ...], how: Ending, why: Reason) -> Decision[M]:
     """Withdraw offers."""
-    messages: Said[M] = ()
+    messages: Endings[M] = ()
     for offer in offers:
         offered = tuple(one for one in leases.offers if one is not offer)
         leases = revoke(replace(leases, offers=offered), offer.id, why)

@@ -149,4 +149,4 @@ class NotDone(Struct, frozen=True, kw_only=True, tag="refused"):
     code: str = "failed"
 
 
-Said = Progress | Checked | ReadMotions | Written | Versions | NotDone
+JobMessage = Progress | Checked | ReadMotions | Written | Versions | NotDone

@@ -113,7 +113,7 @@ class Facts(Struct, frozen=True, kw_only=True):
         return min(found, key=len, default=otherwise)
 
 
-class Said(Struct, frozen=True, kw_only=True):
+class LatestMessage(Struct, frozen=True, kw_only=True):
     """The newest message of a stream, with its age (null: its clock cannot be compared with ours)."""
 
     message: dict[str, Any]
@@ -123,7 +123,7 @@ class Said(Struct, frozen=True, kw_only=True):
 class Snapshot(Struct, frozen=True, kw_only=True):
     """A robot at one moment. `executive`: it answers, is silent, or does not run.
 
-    `silent_s` is how long its answer was awaited. `asker` asks, with the role `role`, about the part `asked`.
+    `waited_s` is how long its answer was awaited. `asker` asks, with the role `role`, about the part `asked`.
     `messages` are by topic, such as `drive/state`. `events` are oldest first.
     """
 
@@ -131,7 +131,7 @@ class Snapshot(Struct, frozen=True, kw_only=True):
     executive: Literal["up", "silent", "down"] = "up"
     waited_s: float = 0.0
     status: Status | None = None
-    messages: dict[str, Said] = {}
+    messages: dict[str, LatestMessage] = {}
     events: tuple[Event, ...] = ()
     wall_ns: int = 0
     asker: str = ""

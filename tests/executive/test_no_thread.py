@@ -10,7 +10,7 @@ from lbr.bus import keys, stamp, wire
 from lbr.database.store import Database
 from lbr.errors import LbrError
 from lbr.executive import start
-from lbr.executive.planning.kinds import KindsBeside
+from lbr.executive.planning.kinds import KindLoader
 from lbr.executive.planning.last_good_copy import AGAIN_AFTER_S, LastGoodCopy
 from lbr.executive.service.edits import Edits
 from lbr.executive.service.pages import Pages
@@ -73,7 +73,7 @@ def test_the_last_good_rows_are_copied_once_there_is_a_thread_for_it(tmp_path, n
 
 
 def test_a_kind_in_a_file_is_known_once_there_is_a_thread_to_try_it(tmp_path, no_thread):
-    kinds = KindsBeside(tmp_path)
+    kinds = KindLoader(tmp_path)
     assert not kinds.ready({"mine": "new"})
     no_thread()
     until(lambda: kinds.ready({"mine": "new"}), what="it was tried")

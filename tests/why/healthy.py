@@ -24,7 +24,7 @@ from lbr.messages.power import PowerState, UpsState
 from lbr.messages.sensing import ranges
 from lbr.messages.servos import ServosState
 from lbr.messages.system import CapabilityStatus, EstopState, Event, Status
-from lbr.why.snapshot import Facts, Said, Snapshot
+from lbr.why.snapshot import Facts, LatestMessage, Snapshot
 from tests.support import databases
 from tests.support.planning import planned
 
@@ -50,13 +50,15 @@ def snapshot(of: Facts) -> Snapshot:
     """Return a robot of which every part is well, and of which nothing is asked."""
     units = tuple(unit(name, of) for name, part in of.parts.items() if part.runs)
     found = {
-        f"{part.name}/{port}": Said(message=_message(name, of), age_s=AGE_S)
+        f"{part.name}/{port}": LatestMessage(message=_message(name, of), age_s=AGE_S)
         for part in of.parts.values()
         if part.runs
         for port, name in part.outputs.items()
         if name in _MESSAGES
     }
-    measured = {wire.source.replace(".", "/"): Said(message={}, age_s=AGE_S) for wire in of.channels if wire.enabled}
+    measured = {
+        wire.source.replace(".", "/"): LatestMessage(message={}, age_s=AGE_S) for wire in of.channels if wire.enabled
+    }
     status = Status(
         robot=of.robot,
         profile=of.profile,
@@ -88,7 +90,7 @@ def with_unit(now: Snapshot, name: str, **fields: Any) -> Snapshot:
 def with_said(now: Snapshot, topic: str, age_s: float | None = AGE_S, **fields: Any) -> Snapshot:
     """Return the robot with other fields in the newest message of a stream."""
     message = {**now.messages[topic].message, **msgspec.to_builtins(fields)}
-    return replace(now, messages={**now.messages, topic: Said(message=message, age_s=age_s)})
+    return replace(now, messages={**now.messages, topic: LatestMessage(message=message, age_s=age_s)})
 
 
 def with_joint(now: Snapshot, name: str, **fields: Any) -> Snapshot:

@@ -18,7 +18,7 @@ from lbr.apps.mcp.messages import McpState, Rules
 from lbr.apps.mcp.motion import BehaviourMotion, Motion
 from lbr.apps.mcp.tools import SECONDS, Known, Tool, allowed_line, named
 from lbr.bus import keys, wire
-from lbr.client import BusError, InputError, LbrError, Said
+from lbr.client import BusError, InputError, LbrError, LineResult
 from lbr.client.aio import AsyncRobot
 from lbr.client.robot import GONE
 from lbr.messages.plain import one_line
@@ -101,7 +101,7 @@ class MustAskError(Exception):
 class Way(Struct, frozen=True, kw_only=True):
     """The server's part: `begin` runs a motion to its end, `confirm` asks the agent's user (None: it cannot ask)."""
 
-    begin: Callable[[Motion], Awaitable[Said]]
+    begin: Callable[[Motion], Awaitable[LineResult]]
     confirm: Callable[[str], Awaitable[bool | None]]
 
 

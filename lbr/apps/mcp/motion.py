@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable
 from typing import Protocol
 
-from lbr.client import Message, RefusalError, Said
+from lbr.client import LineResult, Message, RefusalError
 from lbr.client.aio import AsyncRobot
 
 PATIENCE_S = 0.25
@@ -51,7 +51,7 @@ class Motion:
         """Return why the motion must end; empty while the client shows that it lives."""
         return "" if self._clock() - self._seen <= self.patience_s else SILENT
 
-    async def run(self) -> Said:
+    async def run(self) -> LineResult:
         """Send the line, and wait for the end of its motion; raise RefusalError or BusError. When cancelled, stop the
         motion."""
         operator = self._robot.blocking.operator
@@ -77,7 +77,7 @@ class Motion:
 class BehaviourMotion(Motion):
     """A behaviour, which the robot runs by itself: awaited to its end, and ended with its agent."""
 
-    async def run(self) -> Said:
+    async def run(self) -> LineResult:
         """Run the behaviour, and wait for its end."""
         answer = await super().run()
         try:
@@ -88,7 +88,7 @@ class BehaviourMotion(Motion):
         text = state["reason"] or state["result"]
         if self.ended or not state["good"]:
             raise RefusalError(state["code"] or "cancelled", f"{self.ended}: {text}" if self.ended else text)
-        return Said(answer.text, state, text)
+        return LineResult(answer.text, state, text)
 
     async def _end_of_run(self) -> Message:
         until, look_at = self._clock() + self._hold_s, 0.0

@@ -17,7 +17,7 @@ from lbr import plugins
 from lbr.apps.mcp.agent import Agent, MustAskError, Outcome, Way, encoded, refused
 from lbr.apps.mcp.motion import Motion, Pulse
 from lbr.apps.mcp.tools import TOOLS, Known, Tool
-from lbr.client import InputError, LbrError, Said
+from lbr.client import InputError, LbrError, LineResult
 
 Context: TypeAlias = ServerRequestContext[object, object]
 Answer: TypeAlias = types.CallToolResult | types.InputRequiredResult
@@ -139,7 +139,7 @@ class McpServer:
         begun: list[Motion] = []
         call: Round | None = None
 
-        async def begin(motion: Motion) -> Said:
+        async def begin(motion: Motion) -> LineResult:
             if why := pulse.why_not():
                 raise InputError(why, "not_possible")
             motion.patience_s = pulse.patience_s
@@ -211,7 +211,7 @@ async def _get_prompt(_ctx: Context, params: types.GetPromptRequestParams) -> ty
     return types.GetPromptResult(messages=[types.PromptMessage(role="user", content=text)])
 
 
-async def _never(_motion: Motion) -> Said:
+async def _never(_motion: Motion) -> LineResult:
     raise InputError("this moves nothing", "not_possible")
 
 
@@ -219,7 +219,7 @@ async def _no(_text: str) -> None:
     """Give no consent: this moves nothing."""
 
 
-async def beside(work: Awaitable[Said], other: Awaitable[None]) -> Said:
+async def beside(work: Awaitable[LineResult], other: Awaitable[None]) -> LineResult:
     """Return the result of one coroutine, while another runs beside it."""
     following = asyncio.ensure_future(other)
     try:

@@ -10,7 +10,7 @@ from lbr.capability.kind import Kind, KindError
 from lbr.executive import threads
 
 
-class KindsBeside:
+class KindLoader:
     """The kinds of a home; to be used from one thread."""
 
     def __init__(self, home: Path) -> None:

@@ -14,7 +14,7 @@ from lbr.database.store import Database
 from lbr.database.trials import Trial
 from lbr.errors import LbrError
 from lbr.executive import threads
-from lbr.executive.planning.happened import Happened
+from lbr.executive.planning.event_sink import EventSink
 from lbr.executive.planning.plan import Change
 from lbr.messages.system import CapabilityStatus
 
@@ -76,7 +76,7 @@ class Trials:
         self,
         database: Database,
         capabilities: Callable[[], Iterable[CapabilityStatus]],
-        happened: Happened,
+        happened: EventSink,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._database = database

@@ -15,7 +15,7 @@ from lbr.database.store import PATIENCE_S, Database
 from lbr.errors import InputError, LbrError, RowError
 from lbr.executive.planning import plan as plans
 from lbr.executive.planning import planner
-from lbr.executive.planning.kinds import KindsBeside
+from lbr.executive.planning.kinds import KindLoader
 from lbr.executive.planning.machine import Machine, processes
 from lbr.executive.planning.plan import Change, Plan
 from lbr.executive.planning.profile import Profile
@@ -52,7 +52,7 @@ class RowWatch:
         self._site = site
         self._file = _identity(database.path)
         self._version = UNKNOWN_VERSION
-        self._kinds = KindsBeside(Path(site.home))
+        self._kinds = KindLoader(Path(site.home))
         self._named: frozenset[str] = frozenset()
         self._files: dict[str, str] = {}
         self._problems: tuple[str, ...] = ()

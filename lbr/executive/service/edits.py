@@ -14,7 +14,7 @@ from lbr.database import edits
 from lbr.database.proposals import Judge
 from lbr.database.store import Database
 from lbr.errors import InputError, RowError
-from lbr.executive.planning.happened import Happened
+from lbr.executive.planning.event_sink import EventSink
 from lbr.executive.planning.live_rows import LiveRows
 from lbr.executive.planning.wiring import EXECUTIVE
 from lbr.executive.service.row_service import Job, Reply
@@ -48,7 +48,7 @@ class Edits:
     judge: Judge
     _: KW_ONLY
     process: Callable[[str], object]
-    happened: Happened
+    happened: EventSink
     clock: Callable[[], float] = time.monotonic
 
     def read(self, request: wire.Request) -> Job:

@@ -9,7 +9,7 @@ from lbr.executive.planning.plan import Plan
 from lbr.executive.service.robot import Robot
 from lbr.messages.system import Role
 from lbr.why import states
-from lbr.why.snapshot import Said, Snapshot
+from lbr.why.snapshot import LatestMessage, Snapshot
 
 ANSWERS_WITHIN_S = 0.12
 """A running process answers within some milliseconds; one that takes longer is frozen, and reported."""
@@ -23,7 +23,7 @@ def look(robot: Robot, bus: Session, *, asker: str = "", role: Role = "admin") -
     return Snapshot(
         facts=facts(plan, status.profile),
         status=status,
-        messages={topic: Said(message=one.message, age_s=one.age_s) for topic, one in messages.items()},
+        messages={topic: LatestMessage(message=one.message, age_s=one.age_s) for topic, one in messages.items()},
         events=tuple(robot.recent_events()),
         wall_ns=time.time_ns(),
         asker=asker,

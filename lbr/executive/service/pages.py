@@ -25,7 +25,7 @@ from lbr.database.rows import CORE, CapabilityRow, DeviceRow, RobotRows
 from lbr.database.store import Database
 from lbr.errors import InputError
 from lbr.executive.planning import plan as plans
-from lbr.executive.planning.happened import Happened
+from lbr.executive.planning.event_sink import EventSink
 from lbr.executive.planning.plan import Plan
 from lbr.executive.planning.wiring import EXECUTIVE
 from lbr.executive.service.row_service import Job, Reply
@@ -80,7 +80,7 @@ class Pages:
     """Reads requests of pages, and answers them over its own connection. `make` plans the rows that would run."""
 
     def __init__(
-        self, served: wire.QueryServer, path: Path, *, plan: Callable[[], Plan], make: Make, happened: Happened
+        self, served: wire.QueryServer, path: Path, *, plan: Callable[[], Plan], make: Make, happened: EventSink
     ) -> None:
         self.served = served
         self._path = path

@@ -10,7 +10,7 @@ from lbr.bus.door import LanUser
 from lbr.database.store import Database
 from lbr.errors import LbrError, MalformedError
 from lbr.executive.planning import credentials
-from lbr.executive.planning.happened import Happened
+from lbr.executive.planning.event_sink import EventSink
 from lbr.executive.planning.live_rows import LiveRows
 from lbr.executive.planning.wiring import EXECUTIVE
 from lbr.executive.service import pairing as codes
@@ -38,7 +38,7 @@ class Grants:
     """
 
     def __init__(
-        self, database: Database, rows: LiveRows, *, runs_since: Callable[[str], float], happened: Happened
+        self, database: Database, rows: LiveRows, *, runs_since: Callable[[str], float], happened: EventSink
     ) -> None:
         self._database = database
         self._rows = rows
@@ -70,7 +70,7 @@ class Grants:
 class PairingService(Service):
     """Receives codes by `served`, and gives tokens by `grants`; the main thread calls `step`."""
 
-    def __init__(self, served: wire.QueryServer, pairing: Pairing, grants: Grants, *, happened: Happened) -> None:
+    def __init__(self, served: wire.QueryServer, pairing: Pairing, grants: Grants, *, happened: EventSink) -> None:
         self._served = served
         self._pairing = pairing
         self._grants = grants

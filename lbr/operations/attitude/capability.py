@@ -41,7 +41,9 @@ class Attitude(Capability[AttitudeSettings]):
         self.rate_hz = ctx.settings.publish_hz
         kind: type[Fusion | Gravity] = Gravity
         if ctx.settings.gyro:
-            from lbr.operations.attitude.fusion import Fusion as kind  # noqa: N813, PLC0415 - with numpy, of 8 MiB
+            from lbr.operations.attitude import fusion  # noqa: PLC0415 - with numpy, of 8 MiB
+
+            kind = fusion.Fusion
         self._fusion = kind(ctx.settings, values(ctx.rows(CalibrationValue)), f"{ctx.name}-{ctx.clock():.3f}")
         self._turns = Turns(ctx.settings.observe_s)
         self._calibration = Calibration(ctx, self._fusion)
@@ -88,11 +90,8 @@ class Attitude(Capability[AttitudeSettings]):
             self._calibration.command(call)
         elif call.name == "stop":
             ended = self._calibration.stop(call.message.reason or f"stopped by {call.source}", "stopped")
-            call.reply(
-                CommandReply(
-                    accepted=True, reason="" if ended or call.message.whole else "no calibration was under way"
-                )
-            )
+            nothing = "" if ended or call.message.whole else "no calibration was under way"
+            call.reply(CommandReply(accepted=True, reason=nothing))
         else:
             call.refuse(f"{call.name} is not understood here", "unknown_command")
 

@@ -41,7 +41,7 @@ def halt(state: State, decided: ending.Decision[ActiveMotion], now: float) -> De
     return next_wheels(state, now), (ZERO, *outputs)
 
 
-def apply(state: State, held: LeaseTable[ActiveMotion], said: ending.Said[ActiveMotion], now: float) -> Decision:
+def apply(state: State, held: LeaseTable[ActiveMotion], said: ending.Endings[ActiveMotion], now: float) -> Decision:
     """Apply a decision on the leases, stop when the live lease is over, and return the result of each goal."""
     outputs: Outputs = ()
     for each in said:

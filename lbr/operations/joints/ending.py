@@ -10,7 +10,7 @@ from lbr.operations.joints.state import Outputs, State, servos_trouble
 from lbr.operations.results import goal_result
 
 Decision = tuple[State, Outputs]
-Decided = tuple[LeaseTable[Move], ending.Said[Move]]
+Decided = tuple[LeaseTable[Move], ending.Endings[Move]]
 
 
 def end_what_is_over(state: State, now: float) -> Decision:

@@ -260,7 +260,7 @@ def _end(state: State, how: Ending, why: Reason, now: float) -> Decision:
     return _take(replace(state, leases=held), said, now)
 
 
-def _take(state: State, said: ending.Said[Playing], now: float, *, goes_on: bool = False) -> Decision:
+def _take(state: State, said: ending.Endings[Playing], now: float, *, goes_on: bool = False) -> Decision:
     """Return the outputs for ended leases; `goes_on`: another motion begins at once with the same joints."""
     outputs: Outputs = ()
     for one in said:

@@ -25,11 +25,11 @@ from lbr.messages.motion_work import (
     Checked,
     CheckJob,
     Job,
+    JobMessage,
     NotDone,
     Progress,
     ReadJob,
     ReadMotions,
-    Said,
     Versions,
     VersionsJob,
     WriteJob,
@@ -57,7 +57,7 @@ def main() -> int:
     resource.setrlimit(resource.RLIMIT_CPU, (MOST_CPU_S, MOST_CPU_S))
     resource.setrlimit(resource.RLIMIT_AS, (MOST_BYTES, MOST_BYTES))
     os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
-    last: Said = NotDone(reason="there was no job")
+    last: JobMessage = NotDone(reason="there was no job")
     try:
         for last in done(msgspec.json.decode(sys.stdin.buffer.readline(LARGEST_JOB_BYTES), type=Job)):
             _say(last)
@@ -72,7 +72,7 @@ def main() -> int:
     return 1 if isinstance(last, NotDone) else 0
 
 
-def done(job: Job) -> Iterator[Said]:
+def done(job: Job) -> Iterator[JobMessage]:
     """Do a job: yield its progress, and then its result; raise LbrError with the reason of a failure."""
     match job:
         case CheckJob():
@@ -85,12 +85,12 @@ def done(job: Job) -> Iterator[Said]:
             yield _versions(job)
 
 
-def _say(said: Said) -> None:
+def _say(said: JobMessage) -> None:
     sys.stdout.buffer.write(msgspec.json.encode(said) + b"\n")
     sys.stdout.buffer.flush()
 
 
-def _checked(job: CheckJob) -> Iterator[Said]:
+def _checked(job: CheckJob) -> Iterator[JobMessage]:
     from lbr.operations.joints import trajectory  # noqa: PLC0415 - each job loads what it needs
     from lbr.simulation.humanoid.balance import Balance  # noqa: PLC0415
 

@@ -15,7 +15,7 @@ from lbr.capability.context import Call, Context
 from lbr.errors import InputError
 from lbr.messages.unreadable import UNREADABLE
 from lbr.why.chain import explain
-from lbr.why.snapshot import Facts, Said, Snapshot
+from lbr.why.snapshot import Facts, LatestMessage, Snapshot
 
 MOST_WAITING = 4
 
@@ -73,7 +73,7 @@ def snapshot(moment: Moment) -> Snapshot:
         facts=facts,
         executive="up" if moment.late_s <= SILENT_S else "down",
         status=moment.status,
-        messages={topic: Said(message=message, age_s=age_s) for topic, (message, age_s) in moment.messages.items()},
+        messages={name: LatestMessage(message=read, age_s=age_s) for name, (read, age_s) in moment.messages.items()},
         events=moment.events,
         wall_ns=moment.at_ns,
     )

@@ -245,7 +245,7 @@ class _Topic(Struct):
     message: str
 
 
-class _Happened(Struct):
+class _Event(Struct):
     """An event of a recording."""
 
     wall_ns: int
@@ -259,7 +259,7 @@ class _Counted(Struct):
     from_ns: int
     to_ns: int
     topics: dict[str, _Topic]
-    events: list[_Happened]
+    events: list[_Event]
     damage: Damage
 
 
@@ -273,7 +273,7 @@ def _counted(chosen: Chosen) -> _Counted:
         topic.bytes += len(message.data)
         if message.topic == "@event" and isinstance(event := exports.decoded(message), dict):
             texts = {key: str(event.get(key, "")) for key in ("subject", "text")}
-            counted.events.append(_Happened(at_ns, **texts))
+            counted.events.append(_Event(at_ns, **texts))
     return counted
 
 

@@ -26,7 +26,7 @@ class Difference(NamedTuple):
     now: float
 
 
-class Happened(NamedTuple):
+class CodedEvent(NamedTuple):
     """An event: its time, subject, kind and code."""
 
     at_ns: int
@@ -70,8 +70,8 @@ def differences(recorded: Series, now: Series, window_ns: int = WINDOW_NS) -> li
 
 
 def unmatched(
-    recorded: Iterable[Happened], now: Iterable[Happened], window_ns: int
-) -> tuple[list[Happened], list[Happened]]:
+    recorded: Iterable[CodedEvent], now: Iterable[CodedEvent], window_ns: int
+) -> tuple[list[CodedEvent], list[CodedEvent]]:
     """Return the events of only one run: of the recorded one, and of this one."""
     remaining = sorted(now)
     alone = []

@@ -78,8 +78,8 @@ class Outcome(Struct, kw_only=True):
     answered_otherwise: list[Sent]
     begun_before: int
     reasons: int
-    missing: list[alike.Happened]
-    added: list[alike.Happened]
+    missing: list[alike.CodedEvent]
+    added: list[alike.CodedEvent]
     late_s: float
     asked: dict[str, Questions] = {}
 
@@ -272,9 +272,9 @@ class _Witness:
             if event is not None:
                 yield self._dated(int(raw.arrived * 1e9)), event
 
-    def _coded(self, events: Iterable[tuple[int, Event]]) -> list[alike.Happened]:
+    def _coded(self, events: Iterable[tuple[int, Event]]) -> list[alike.CodedEvent]:
         return [
-            alike.Happened(at, event.subject, event.kind, event.code)
+            alike.CodedEvent(at, event.subject, event.kind, event.code)
             for at, event in events
             if event.code and event.subject in self._runs and self._recorded.holds(at)
         ]

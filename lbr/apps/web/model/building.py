@@ -26,10 +26,10 @@ from lbr.messages.motion_work import (
     CheckJob,
     Frames,
     Job,
+    JobMessage,
     NotDone,
     ReadJob,
     ReadMotions,
-    Said,
     Versions,
     VersionsJob,
     WriteJob,
@@ -38,7 +38,7 @@ from lbr.messages.motion_work import (
 from lbr.messages.units import Name
 
 LARGEST_PART = 48_000
-T = TypeVar("T", bound=Said)
+T = TypeVar("T", bound=JobMessage)
 UploadName = Annotated[
     str, Meta(pattern="^[A-Za-z0-9-]{1,40}$(?!\\n)", description="the sender's own name for what it sends")
 ]

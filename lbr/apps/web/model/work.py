@@ -15,7 +15,7 @@ from contextlib import suppress
 import msgspec
 
 from lbr.capability.die_with_parent import dying_with_parent
-from lbr.messages.motion_work import CheckJob, Job, NotDone, Progress, Said
+from lbr.messages.motion_work import CheckJob, Job, JobMessage, NotDone, Progress
 from lbr.messages.unreadable import UNREADABLE
 
 PROGRAM = "lbr.apps.motions.commands.work"
@@ -34,7 +34,7 @@ class Work:
 
     def __init__(self, job: Job, now: float) -> None:
         self.part = 0.0
-        self.result: Said | None = None
+        self.result: JobMessage | None = None
         self.asked_s = now
         self._until = now + (CHECK_S if isinstance(job, CheckJob) else SHORT_S)
         self._said = b""
@@ -67,7 +67,7 @@ class Work:
         elif len(self._said) > MOST_SAID:
             self.end(NotDone(reason="it sends too much"))
 
-    def end(self, result: Said) -> None:
+    def end(self, result: JobMessage) -> None:
         """End the process, with this result."""
         self.result = result
         process, self._process = self._process, None
@@ -80,7 +80,7 @@ class Work:
 
     def _hear(self, line: bytes) -> None:
         try:
-            result = msgspec.json.decode(line, type=Said)
+            result = msgspec.json.decode(line, type=JobMessage)
         except UNREADABLE as err:
             result = NotDone(reason=f"the answer of the process cannot be read: {err}")
         if isinstance(result, Progress):

@@ -144,7 +144,7 @@ def _seek(state: State, event: Seek, now: float) -> tuple[State, Outputs]:
     return state, (*outputs, *begin, leasing.accepted(leasing.lent(held, ask), goal=goal))
 
 
-def _ended(state: State, ends: ending.Said[Seeking], now: float, *, by: str = "") -> tuple[State, Outputs]:
+def _ended(state: State, ends: ending.Endings[Seeking], now: float, *, by: str = "") -> tuple[State, Outputs]:
     """Return the state and outputs after the end of leases."""
     outputs: Outputs = ()
     for ended in ends:

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.apps.recorder.rerun import alike
-from lbr.apps.recorder.rerun.alike import Happened
+from lbr.apps.recorder.rerun.alike import CodedEvent
 
 MS = 1_000_000
 series = st.lists(st.floats(-1.0, 1.0), min_size=2, max_size=80).map(
@@ -49,8 +49,8 @@ def test_numbers_have_names_and_what_only_counts_is_left_out():
 
 
 def test_each_thing_that_happened_is_met_once():
-    then = [Happened(10, "drive", "stopped", "stopped"), Happened(20, "drive", "stopped", "stopped")]
-    now = [Happened(15, "drive", "stopped", "stopped"), Happened(16, "drive", "fault", "not_followed")]
+    then = [CodedEvent(10, "drive", "stopped", "stopped"), CodedEvent(20, "drive", "stopped", "stopped")]
+    now = [CodedEvent(15, "drive", "stopped", "stopped"), CodedEvent(16, "drive", "fault", "not_followed")]
     missing, new = alike.unmatched(then, now, 100)
     assert [one.kind for one in missing] == ["stopped"]
     assert [one.kind for one in new] == ["fault"]

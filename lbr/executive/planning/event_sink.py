@@ -3,7 +3,7 @@
 from typing import Any, Protocol
 
 
-class Happened(Protocol):
+class EventSink(Protocol):
     """Makes an event."""
 
     def __call__(
