@@ -2,8 +2,9 @@ from itertools import count
 
 import pytest
 
+from lbr.drivers.echoed_lines import query
 from lbr.drivers.roboteq.exchange import Exchange
-from lbr.drivers.roboteq.protocol import STOP, query
+from lbr.drivers.roboteq.protocol import STOP
 
 READS_AT_MOST = 200
 NOISE = {

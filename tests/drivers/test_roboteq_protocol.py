@@ -2,9 +2,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lbr.drivers.echoed_lines import MAX_LINE_BYTES, Ack, Echo, Nak, Noise, ReplyParser, Value, query
 from lbr.drivers.roboteq import protocol as wire
 from lbr.drivers.roboteq import readings
-from lbr.drivers.roboteq.protocol import Ack, Echo, Nak, Noise, ReplyParser, Value
 
 values = st.integers(-1000, 1000)
 
@@ -17,9 +17,9 @@ values = st.integers(-1000, 1000)
         (wire.STOP, wire.motors(0, 0)),
         (wire.EMERGENCY_STOP, b"!EX\r"),
         (wire.RELEASE, b"!MG\r"),
-        (wire.query("V"), b"\x3f\x56\x0d"),
-        (wire.query("A"), b"\x3f\x41\x0d"),
-        (wire.query("C"), b"\x3f\x43\x0d"),
+        (query("V"), b"\x3f\x56\x0d"),
+        (query("A"), b"\x3f\x41\x0d"),
+        (query("C"), b"\x3f\x43\x0d"),
         (wire.read_setting("RWD"), b"~RWD\r"),
         (wire.write_setting("ECHOF", 1), b"^ECHOF 1\r"),
         (wire.read_setting("MXMD"), b"~MXMD\r"),
@@ -113,7 +113,7 @@ def test_whatever_babbles_little_is_held_and_the_next_clean_line_is_understood(p
     parser = ReplyParser()
     for piece in pieces:
         parser.feed(piece)
-        assert parser.held_bytes <= wire.MAX_LINE_BYTES
+        assert parser.held_bytes <= MAX_LINE_BYTES
     assert parser.feed(b"\rA=-51:12\r")[-1] == Value("A", "-51:12")
 
 

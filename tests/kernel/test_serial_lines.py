@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 
 from lbr.capability.context import Device
-from lbr.drivers.roboteq import protocol as roboteq
+from lbr.drivers.echoed_lines import query
 from lbr.drivers.serial_line import open_line
 from lbr.errors import DeviceError
 from tests.support.usb.rig import ARDUINO, FT232R, ROBOTEQ, CdcAcm, Ftdi, by_id, on_line, until
 
 pytestmark = pytest.mark.usefixtures("played")
-FIRMWARE = roboteq.query("FID")
+FIRMWARE = query("FID")
 
 
 def row(address: Path | str) -> Device:

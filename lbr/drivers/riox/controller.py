@@ -4,21 +4,10 @@ import time
 from collections.abc import Callable
 
 from lbr.drivers.byte_line import ByteLine
+from lbr.drivers.echoed_lines import Ack, Echo, Nak, Noise, Reply, ReplyParser, Value, query
 from lbr.drivers.inertial import LifeSigns
 from lbr.drivers.riox import RioxSettings
-from lbr.drivers.riox.protocol import (
-    MOTION,
-    ORIENTATION,
-    Answer,
-    BadLine,
-    Echo,
-    Refused,
-    Reply,
-    ReplyParser,
-    encode_query,
-    to_orientation,
-    to_sample,
-)
+from lbr.drivers.riox.protocol import ECHOES, MOTION, ORIENTATION, counts_of, to_orientation, to_sample
 from lbr.errors import DeviceError
 from lbr.messages.imu import ImuSample
 from lbr.messages.units import Quaternion
@@ -107,48 +96,55 @@ class AhrsUnit:
     def _ask(self, name: str) -> None:
         self._asked, self._asked_at, self._echoed = name, self._clock(), False
         self._deadline = self._asked_at + self._settings.answer_s
-        self._line.write(encode_query(name))  # a query that did not fit gets no answer
+        self._line.write(query(name))  # a query that did not fit gets no answer
 
     def _take(self, reply: Reply) -> ImuSample | None:
         match reply:
-            case BadLine():
-                self.bad_lines += 1
-                self._deadline = min(self._deadline, self._polled + SPOILT_S)
-                complaint = f"{self.bad_lines} lines from the inertial unit were no answers"
-                self._tell("bad_lines", f"{complaint}; the last began with '{reply.text}'")
-            case Echo(name):
-                self._echoed = self._echoed or name == self._asked
-            case Answer(name) if name == self._asked and self._counts:
-                return self._answered(reply)
-            case Refused() if self._asked and self._counts:
-                return self._refused()
-            case _:
-                pass  # the answer to a query that was given up
+            case Value(name) if (counts := counts_of(reply)) is not None:
+                if name == self._asked and self._counts:  # otherwise the answer to a query that was given up
+                    return self._answered(name, counts)
+            case Echo(command) if command in ECHOES:
+                self._echoed = self._echoed or ECHOES[command] == self._asked
+            case Nak():
+                if self._asked and self._counts:
+                    return self._refused()
+            case Noise(text) | Value(_, text):
+                self._spoilt(text)
+            case Echo(command):
+                self._spoilt(command.decode("ascii"))
+            case Ack():
+                self._spoilt("+")
         return None
+
+    def _spoilt(self, line: str) -> None:
+        self.bad_lines += 1
+        self._deadline = min(self._deadline, self._polled + SPOILT_S)
+        complaint = f"{self.bad_lines} lines from the inertial unit were no answers"
+        self._tell("bad_lines", f"{complaint}; the last began with '{line[:40]}'")
 
     @property
     def _counts(self) -> bool:
         return self._echoed or not self._settings.echo
 
-    def _answered(self, answer: Answer) -> ImuSample | None:
+    def _answered(self, name: str, counts: tuple[int, ...]) -> ImuSample | None:
         asked_at, self._asked = self._asked_at, ""
-        if answer.name == ORIENTATION:
+        if name == ORIENTATION:
             self._refusals = 0
-            self._orient(answer)
+            self._orient(counts)
             self._ask(MOTION)
             return None
-        missing = self._signs.missing(answer.counts[:7])
+        missing = self._signs.missing(counts[:7])
         if missing:
             return self._invalid(asked_at, missing)
-        sample = to_sample(answer, self._orientation, asked_at, self._settings)
+        sample = to_sample(counts, self._orientation, asked_at, self._settings)
         if sample.accel_mps2 is None or sample.gyro_rps is None:
             self._tell("out_of_range", "what the inertial unit measures is beyond its range")
         return sample
 
-    def _orient(self, answer: Answer) -> None:
-        self._orientation = to_orientation(answer, self._settings.quaternion_divisor)
+    def _orient(self, counts: tuple[int, ...]) -> None:
+        self._orientation = to_orientation(counts, self._settings.quaternion_divisor)
         if self._orientation is None:
-            numbers = ":".join(map(str, answer.counts))
+            numbers = ":".join(map(str, counts))
             self._tell("orientation", f"{numbers} is not an orientation; is the setting quaternion_divisor right?")
 
     def _refused(self) -> ImuSample | None:

@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable
 from math import inf, isfinite
 
+from lbr.drivers.echoed_lines import MAX_LINE_BYTES, query
 from lbr.drivers.roboteq import RoboteqSettings, Wheel
 from lbr.drivers.roboteq import protocol as wire
 from lbr.drivers.roboteq.exchange import Exchange, Line, Outcome
@@ -20,7 +21,7 @@ SETUP_TRIES = 3
 LOST_IN_A_ROW = 4
 REFUSED_IN_A_ROW = 5
 ROTATION: tuple[bytes, ...] = (
-    *(wire.query(name) for name in ("FF", "A", "C", "V", "FF", "A", "C", "T", "FF")),
+    *(query(name) for name in ("FF", "A", "C", "V", "FF", "A", "C", "T", "FF")),
     wire.read_setting("RWD"),
 )
 
@@ -71,7 +72,7 @@ class Controller:
         self._verify("RWD", self._settings.watchdog_ms, "watchdog, in ms")
         if self._settings.mixing_mode is not None:
             self._verify("MXMD", self._settings.mixing_mode, "mixing mode; set it with Roboteq's utility")
-        self._ask(wire.query("FF"), SETUP_TRIES)
+        self._ask(query("FF"), SETUP_TRIES)
 
     def drive(self, *powers: float) -> None:
         """Write the power of left and right, unless an answer is still due; after a gap, zero first."""
@@ -105,7 +106,7 @@ class Controller:
         if not self.stop() or not self._urgent(wire.RELEASE):
             return False
         self.telemetry.forget_faults()
-        self._ask(wire.query("FF"), 1)
+        self._ask(query("FF"), 1)
         return True
 
     def fileno(self) -> int:
@@ -166,11 +167,11 @@ class Controller:
         return False
 
     def _identify(self) -> None:
-        said = self._ask(wire.query("FID"), SETUP_TRIES)
+        said = self._ask(query("FID"), SETUP_TRIES)
         if said is None or said.value is None:
             raise DeviceError(self._sentence(f"{self._babbles}does not answer ?FID; check cable, power and address"))
         self.firmware = _text(said)
-        self.model = _text(self._ask(wire.query("TRN"), 1))
+        self.model = _text(self._ask(query("TRN"), 1))
         for field, identity, pattern in (
             ("firmware", self.firmware, self._settings.firmware),
             ("model", self.model, self._settings.model),
@@ -238,7 +239,7 @@ class Controller:
         """Return whether it answers; after a lost answer query it first, so that commands do not pile up at a deaf
         controller."""
         if self._lost_in_a_row:
-            self._send(wire.query("FF"))
+            self._send(query("FF"))
             self._settle(PATIENCE_S)
         return not self._lost_in_a_row and not self._exchange.busy
 
@@ -288,7 +289,7 @@ class Controller:
     @property
     def _babbles(self) -> str:
         heard = self._exchange.babble_bytes
-        return f"babbles ({heard} bytes that answer nothing) and " if heard > wire.MAX_LINE_BYTES else ""
+        return f"babbles ({heard} bytes that answer nothing) and " if heard > MAX_LINE_BYTES else ""
 
     def _gap(self) -> bool:
         return not self.fed_s_ago < self._settings.watchdog_ms / 1000.0

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 from lbr.drivers.byte_line import ByteLine
-from lbr.drivers.roboteq.protocol import Ack, Echo, Nak, Reply, ReplyParser, Value
+from lbr.drivers.echoed_lines import Ack, Echo, Nak, Reply, ReplyParser, Value
 
 Result = Literal["acknowledged", "value", "refused", "lost"]
 

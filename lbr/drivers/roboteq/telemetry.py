@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from typing import TypeVar
 
+from lbr.drivers.echoed_lines import Value
 from lbr.drivers.roboteq import RoboteqSettings, Wheel, readings
-from lbr.drivers.roboteq.protocol import Value
 from lbr.drivers.wheels.contract import Measured
 
 BELIEVED_S, SLOW_BELIEVED_S = 1.0, 2.5
