@@ -22,6 +22,7 @@ TIMESTEP_S = 0.004
 """250 steps a second, as often as the inertial unit measures; 1 ms walks and holds alike, for three times the work."""
 
 Mask = NDArray[np.bool_]
+Indices = NDArray[np.intp]
 
 HAND, FLOOR, IMU = "hand", "floor", "imu"
 
@@ -38,8 +39,8 @@ class Body:
     trunk: int
     feet: dict[str, int]
     solid: Mask
-    positions: list[int]
-    speeds: list[int]
+    positions: Indices
+    speeds: Indices
     cameras: tuple[str, ...]
 
 
@@ -84,8 +85,8 @@ def load(path: Path, joints: Iterable[Joint], settings: HumanoidWorldSettings) -
         trunk=model.body(trunk.name).id,
         feet=feet,
         solid=solid,
-        positions=[int(joint.qposadr[0]) for joint in moved],
-        speeds=[int(joint.dofadr[0]) for joint in moved],
+        positions=np.array([joint.qposadr[0] for joint in moved], dtype=np.intp),
+        speeds=np.array([joint.dofadr[0] for joint in moved], dtype=np.intp),
         cameras=cameras,
     )
 

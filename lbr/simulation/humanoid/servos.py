@@ -79,7 +79,8 @@ class Servos:
     def torques(self, position: Floats, speed: Floats, supply_v: float, dt_s: float) -> Floats:
         """Return the motors' torques on their joints, without the braking of `damping_nms`, and keep their `load`."""
         most = self._speed * dt_s
-        self._target = np.where(self.limp, position, self._target + np.clip(self._goal - self._target, -most, most))
+        way = np.minimum(np.maximum(self._goal - self._target, -most), most)
+        self._target = np.where(self.limp, position, self._target + way)
         error = self._target - position
         up, size = error > 0, np.abs(error)
         margin = np.where(up, self._margins[1], self._margins[0])
