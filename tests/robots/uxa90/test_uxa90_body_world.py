@@ -14,7 +14,7 @@ from lbr.capability.context import Device
 from lbr.simulation.balls import Ball
 from lbr.simulation.humanoid import KIND
 from lbr.simulation.humanoid.capability import HumanoidWorld
-from lbr.simulation.requests import BallRequest, PickUpRequest, PictureRequest
+from lbr.simulation.requests import BallRequest, HandRequest, PickUpRequest, PictureRequest
 from lbr.testing import FakeCall
 from tests.models.uxa90.robot import humanoid, joints, settings
 from tests.simulation.camera_bench import Film, orange
@@ -88,9 +88,11 @@ def test_a_ball_keeps_to_its_path(path, reach):
 def test_the_cameras_socket_shows_what_its_head_sees(stage):
     assert "ball" in stage.ask("ball", BallRequest(name="moon")).refused
     assert stage.ask("ball", BallRequest(x_m=1.0, y_m=0.0, z_m=0.6)).answer.accepted
+    assert stage.ask("hand", HandRequest(joint="head_pitch", angle_deg=0.0)).answer.accepted, "limp, it sinks in 30 s"
     with Film(stage.eye, width=160, height=120, fps=30) as film:
         while orange(film.frame()[0]) is None:
             pass
+    assert stage.ask("hand", HandRequest(gone=True)).answer.accepted
 
 
 def test_a_button_of_the_remote_control_moves_it_and_a_picture_shows_it(stage, tmp_path):
