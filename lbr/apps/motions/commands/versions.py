@@ -1,12 +1,12 @@
-"""The earlier versions of a motion, from the revisions of every row in the database. Pure."""
+"""The earlier versions of a motion, from the changes of every row in the database. Pure."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from datetime import datetime
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice
 from typing import TypeVar
 
 import msgspec
 
+from lbr.database.past import HistoryEntry
 from lbr.database.rows import RevisionRow
 from lbr.messages.joints import Motion, MotionRow, MotionStep, motions_of
 from lbr.messages.motion_work import MotionVersion
@@ -14,55 +14,33 @@ from lbr.messages.unreadable import UNREADABLE
 
 R = TypeVar("R", MotionRow, MotionStep)
 MOST = 50
-TOGETHER_S = 1.0
-"""The time within which one edit writes its rows; a person who saves again takes longer."""
 TABLES = frozenset((MotionRow.TABLE, MotionStep.TABLE))
 Values = dict[tuple[str, ...], dict[str, object]]
 """Rows of a motion by table and key."""
 
 
-def versions(now: Motion | None, revisions: Iterable[RevisionRow], robot: str, name: str) -> tuple[MotionVersion, ...]:
+def versions(now: Motion | None, changes: Sequence[HistoryEntry], robot: str, name: str) -> tuple[MotionVersion, ...]:
     """Return the versions of a motion, newest first, with the one of `now`; those without key frames are left out.
 
     A change that only undoes the version before is not a version of its own.
     """
     known: list[MotionVersion] = []
-    for version in islice(_backwards(now, revisions, robot, name), 4 * MOST):
+    for version in islice(_backwards(now, changes, robot, name), 4 * MOST):
         if version.motion.frames and (not known or known[-1].motion != version.motion):
             known.append(version)
     return tuple(known[:MOST])
 
 
-def _backwards(now: Motion | None, revisions: Iterable[RevisionRow], robot: str, name: str) -> Iterator[MotionVersion]:
-    mine = [revision for revision in revisions if revision.table in TABLES and revision.row_key[:2] == (robot, name)]
+def _backwards(now: Motion | None, changes: Sequence[HistoryEntry], robot: str, name: str) -> Iterator[MotionVersion]:
     values = {(row.TABLE, *map(str, row.key)): msgspec.to_builtins(row) for row in (now.rows if now else ())}
-    while mine:
-        edit = _last_edit(mine)
-        if (motion := _motion(values, name)) is not None:
-            yield MotionVersion(revision=edit[-1].id, since=edit[-1].changed_at, motion=motion)
-        for revision in reversed(edit):
+    for change in reversed(changes):
+        mine = [row for row in reversed(change.rows) if row.table in TABLES and row.row_key[:2] == (robot, name)]
+        if mine and (motion := _motion(values, name)) is not None:
+            yield MotionVersion(revision=mine[0].id, since=mine[0].changed_at, motion=motion)
+        for revision in mine:
             _undo(values, revision)
-        del mine[-len(edit) :]
     if (motion := _motion(values, name)) is not None:
         yield MotionVersion(revision=0, since="", motion=motion)
-
-
-def _last_edit(revisions: list[RevisionRow]) -> list[RevisionRow]:
-    """Return the newest changes that were written together, oldest first."""
-    first = len(revisions) - 1
-    while first > 0 and _apart_s(revisions[first - 1], revisions[first]) <= TOGETHER_S:
-        first -= 1
-    return revisions[first:]
-
-
-def _apart_s(revision: RevisionRow, next_: RevisionRow) -> float:
-    """Return the time between two changes; NaN if it is unknown, so that they count as apart."""
-    try:
-        return abs(
-            (datetime.fromisoformat(next_.changed_at) - datetime.fromisoformat(revision.changed_at)).total_seconds()
-        )
-    except (ValueError, TypeError):
-        return float("nan")
 
 
 def _undo(values: Values, revision: RevisionRow) -> None:

@@ -203,10 +203,10 @@ def _versions(job: VersionsJob) -> Versions:
     if not path.is_file():
         raise InputError(f"the database {path} is not there", "unknown_name")
     with Database.open(path) as opened:
-        rows, revisions = opened.load(job.robot), opened.revisions()
+        rows, changes = opened.load(job.robot), opened.changes()
     motions = motions_of(rows.of(MotionRow), rows.of(MotionStep))
     now = next((one for one in motions if one.name == job.motion), None)
-    return Versions(versions=motion_versions.versions(now, revisions, job.robot, job.motion))
+    return Versions(versions=motion_versions.versions(now, changes, job.robot, job.motion))
 
 
 class _Rows:
