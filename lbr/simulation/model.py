@@ -5,6 +5,7 @@ from math import cos, pi, radians, sin
 from xml.sax.saxutils import quoteattr
 
 from lbr.messages.kinematics import Wheel
+from lbr.simulation.ahrs import from_angles
 from lbr.simulation.balls import BALL, Ball, first_place
 from lbr.simulation.room import BoxSettings
 from lbr.simulation.settings import Body, Dock, Mount, WorldSettings
@@ -181,18 +182,8 @@ def _place(mount: Mount, wheel_radius_m: float) -> str:
 
 def _turned(mount: Mount) -> str:
     """Return yaw, then pitch, then roll, each about its own axis as turned by the previous ones."""
-    return f'quat="{_numbers(*quaternion(mount))}"'
-
-
-def quaternion(mount: Mount) -> tuple[float, float, float, float]:
-    """Return the turn of a mount on the robot: w, x, y, z."""
-    r, p, y = (radians(angle) / 2 for angle in (mount.roll_deg, mount.pitch_deg, mount.yaw_deg))
-    return (
-        cos(r) * cos(p) * cos(y) + sin(r) * sin(p) * sin(y),
-        sin(r) * cos(p) * cos(y) - cos(r) * sin(p) * sin(y),
-        cos(r) * sin(p) * cos(y) + sin(r) * cos(p) * sin(y),
-        cos(r) * cos(p) * sin(y) - sin(r) * sin(p) * cos(y),
-    )
+    turn = from_angles(radians(mount.roll_deg), radians(mount.pitch_deg), radians(mount.yaw_deg))
+    return f'quat="{_numbers(*turn)}"'
 
 
 def _motor(name: str) -> str:
