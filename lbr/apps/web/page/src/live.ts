@@ -2,13 +2,15 @@
 import { signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
 import { token, unknown } from "./access";
+import { alike } from "./alike";
 import { noteBuild } from "./build";
 import type { Event, Status } from "./messages";
 import { notice } from "./notices";
 import { look, robot } from "./robot";
 
 export type Link = "connecting" | "open" | "quiet" | "lost" | "hidden" | "refused";
-export interface Sample<T> { message: T; at: number; ageMs(): number; stale(ms?: number): boolean }
+export interface Aged { ageMs(): number; stale(ms?: number): boolean }
+export interface Sample<T> extends Aged { message: T; at: number }
 /** How old what is driven by is, there and back, and the share of the speed that the robot's server leaves it. */
 export interface Pace { age_ms: number; speed: number }
 export interface HoldNews { n: number; holds: boolean; code: string; reason: string; holder: string }
@@ -49,10 +51,9 @@ export const onHold = new Set<(news: HoldNews) => void>();
 export const onEvent = new Set<(event: Event) => void>();
 export const onLink = new Set<(open: boolean) => void>();
 
-function sampled<T>(message: T, ageMs: number): Sample<T> {
-  const at = performance.now() - (Number.isFinite(ageMs) ? Math.max(0, ageMs) : 0);
-  const since = (): number => performance.now() - at;
-  return { message, at, ageMs: since, stale: (ms = STALE_MS) => since() > ms };
+function sampled<T>(message: T, at: number): Sample<T> {
+  const sample: Sample<T> = { message, at, ageMs: () => performance.now() - sample.at, stale: (ms = STALE_MS) => sample.ageMs() > ms };
+  return sample;
 }
 
 /** Calls `fn` with each newest sample of a stream until the returned function is called. */
@@ -74,10 +75,19 @@ export function listen(key: string, fn: (sample: Sample<unknown>) => void): () =
   };
 }
 
-/** The newest sample of a stream while the component is shown; null before the first. An empty key hears nothing. */
+/** As `listen`, for what is drawn: while a message looks as the one before, `fn` is not called, and the sample that it has stays young. */
+export function watch(key: string, fn: (sample: Sample<unknown>) => void): () => void {
+  let shown: Sample<unknown> | null = null;
+  return listen(key, (one) => {
+    if (shown && !shown.stale() && alike(shown.message, one.message)) shown.at = one.at;
+    else fn(shown = sampled(one.message, one.at));
+  });
+}
+
+/** What is seen of a stream while the component is shown; null before the first message. An empty key hears nothing. */
 export function useStream<T>(key: string): Sample<T> | null {
   const [sample, show] = useState<{ key: string; sample: Sample<T> } | null>(null);
-  useEffect(() => listen(key, (one) => show({ key, sample: one as Sample<T> })), [key]);
+  useEffect(() => watch(key, (one) => show({ key, sample: one as Sample<T> })), [key]);
   return sample?.key === key ? sample.sample : null;
 }
 
@@ -167,7 +177,7 @@ function hear(text: string): void {
   if (typeof told.page === "string") noteBuild(told.page);
   if (link.value !== "open") link.value = "open";
   for (const [key, { age_ms, message }] of Object.entries(told.streams ?? {})) {
-    const sample = sampled(message, age_ms);
+    const sample = sampled(message, performance.now() - (Number.isFinite(age_ms) ? Math.max(0, age_ms) : 0));
     if (key === "@status") noteStatus(message as Status);
     if (listeners.has(key)) newest.set(key, sample);
     listeners.get(key)?.forEach((fn) => fn(sample));
@@ -181,7 +191,7 @@ function hear(text: string): void {
   if (told.hold) onHold.forEach((fn) => fn(told.hold!));
 }
 
-/** Asks anew what the robot is until that is of the rows that it runs by: its server learns of new ones a moment later. */
+/** Notes the robot's status. While that is of newer rows than the description which this page has, it is described anew: its server may still have the older one. */
 function noteStatus(now: Status): void {
   status.value = now;
   if (now.revision !== undefined && robot.value !== null && now.revision !== robot.value.revision) void look();

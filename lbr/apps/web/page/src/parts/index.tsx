@@ -3,7 +3,7 @@ import type { AllCSSProperties, ComponentChildren, JSX, PartialInputHTMLAttribut
 import { render } from "preact";
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { age } from "../format";
-import { clock, STALE_MS, type Sample } from "../live";
+import { clock, STALE_MS, type Aged } from "../live";
 import { t } from "../words";
 import { ICONS, type IconName } from "./icons";
 
@@ -200,7 +200,7 @@ function Opened({ title, onClose, actions, children }: DialogProps) {
 }
 
 /** A plain sign with its age where a stream is old; nothing while it is fresh. */
-export function Stale({ sample, after = STALE_MS }: { sample: Sample<unknown> | null; after?: number }) {
+export function Stale({ sample, after = STALE_MS }: { sample: Aged | null; after?: number }) {
   void clock.value;
   if (!sample) return <Badge icon="warn" tone="warn">{t("age.never")}</Badge>;
   return sample.stale(after) ? <Badge icon="warn" tone="warn">{t("age.stale", { age: age(sample.ageMs()) })}</Badge> : null;

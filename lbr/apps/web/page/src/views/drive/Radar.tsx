@@ -1,7 +1,7 @@
 // The surroundings seen from above, ahead is up: fans of single sensors, points of scans, where the base is about to go.
 import { useCallback, useMemo, useRef } from "preact/hooks";
 import { metres } from "../../format";
-import { listen, useStream, type Sample } from "../../live";
+import { clock, useStream, watch, type Sample } from "../../live";
 import type { DriveState, Ranges, Scan } from "../../messages";
 import { robot, streamOfType, streamsOfType } from "../../robot";
 import { maybe, named, t } from "../../words";
@@ -21,12 +21,17 @@ export function Radar({ reach = 2.4, class: more = "" }: { reach?: number; class
   const body = useMemo(() => size(rows), [rows]);
   const subscribe = useCallback((ask: () => void) => {
     const ends = [
-      ...streamsOfType("Ranges").map((key) => listen(key, (one) => { seen.current.ranges.set(key, one as Sample<Ranges>); ask(); })),
-      ...streamsOfType("Scan").map((key) => listen(key, (one) => { seen.current.scans.set(key, one as Sample<Scan>); ask(); })),
-      listen(streamOfType("DriveState"), (one) => { seen.current.drive = one as Sample<DriveState>; ask(); }),
+      ...streamsOfType("Ranges").map((key) => watch(key, (one) => { seen.current.ranges.set(key, one as Sample<Ranges>); ask(); })),
+      ...streamsOfType("Scan").map((key) => watch(key, (one) => { seen.current.scans.set(key, one as Sample<Scan>); ask(); })),
+      watch(streamOfType("DriveState"), (one) => { seen.current.drive = one as Sample<DriveState>; ask(); }),
     ];
-    const again = setInterval(ask, 1000);
-    return () => { ends.forEach((end) => end()); clearInterval(again); };
+    let old = "";
+    const aged = clock.subscribe(() => {
+      const now = [...seen.current.ranges.values(), ...seen.current.scans.values()].map((one) => one.stale(OLD_MS)).join();
+      if (now !== old) ask();
+      old = now;
+    });
+    return () => { ends.forEach((end) => end()); aged(); };
   }, [robot.value?.revision]);
   const paint = (pen: Pen): void => {
     const scale = Math.min(pen.width, pen.height) / 2 / reach;

@@ -5,7 +5,7 @@ import { inWords } from "../../access";
 import { age as ageText } from "../../format";
 import { remember, remembered } from "../../kept";
 import { illness } from "../../lacking";
-import { useStream } from "../../live";
+import { clock, useStream } from "../../live";
 import type { AttitudeState, CameraState, OdometryState } from "../../messages";
 import { Badge, Button, Choice, Empty, Icon, Segments, type IconName } from "../../parts";
 import { capabilities, command, may, streamOfType } from "../../robot";
@@ -56,6 +56,7 @@ function Phone() {
 }
 
 function Heading() {
+  void clock.value;
   const attitude = useStream<AttitudeState>(streamOfType("AttitudeState"));
   const odometry = useStream<OdometryState>(attitude?.message.heading_deg == null ? streamOfType("OdometryState") : "");
   if (attitude?.message.heading_deg != null) return <Compass heading={attitude.message.heading_deg} north old={attitude.stale()} />;

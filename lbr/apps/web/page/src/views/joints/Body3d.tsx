@@ -1,6 +1,6 @@
 // The body on a canvas: three is loaded when this is first shown. Until then, and without a graphics card, the same body is drawn flat.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { listen } from "../../live";
+import { watch } from "../../live";
 import { Button, Segments } from "../../parts";
 import { streamOfType } from "../../robot";
 import { t } from "../../words";
@@ -67,7 +67,7 @@ export function Body3d(props: Props) {
       ends.push(listenJoints(streams, ({ state }) => { measured = state; pose(); }));
       ends.push(aims.subscribe(pose));
       const tilt = streamOfType("AttitudeState");
-      if (tilt) ends.push(listen(tilt, (sample) => lean(made, sample.message as AttitudeState)));
+      if (tilt) ends.push(watch(tilt, (sample) => lean(made, sample.message as AttitudeState)));
       const look = new MutationObserver(() => made.setColours(stageColours()));
       look.observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme"] });
       const scheme = matchMedia("(prefers-color-scheme: dark)");

@@ -1,4 +1,5 @@
 // The body drawn flat, from the same model and as it was measured: without three dimensions, and until those are loaded.
+import { useMemo } from "preact/hooks";
 import { Button } from "../../parts";
 import { streamOfType } from "../../robot";
 import { t } from "../../words";
@@ -18,10 +19,12 @@ export function Outline({ model, streams, selected, onPick, onDrag, onDrop }: Pr
   const state = useJoints(streams)?.state;
   const lean = useCalm<AttitudeState>(streamOfType("AttitudeState"))?.message;
   const all = state ? tones(state) : {};
-  const angles = state ? positions(state) : {};
-  const root = lean?.valid ? grounded(model, angles, lean.roll_rad ?? 0, lean.pitch_rad ?? 0) : undefined;
-  const places = placed(model, angles, root);
-  const { patches, box } = sketch(model, angles, THREE_QUARTERS, places);
+  const { angles, places, patches, box } = useMemo(() => {
+    const angles = state ? positions(state) : {};
+    const root = lean?.valid ? grounded(model, angles, lean.roll_rad ?? 0, lean.pitch_rad ?? 0) : undefined;
+    const places = placed(model, angles, root);
+    return { angles, places, ...sketch(model, angles, THREE_QUARTERS, places) };
+  }, [model, state, lean]);
   const hands = useGrasp({ model, angles, places, patches, selected, onPick, onDrag, onDrop });
   return (
     <svg class="joints-outline" data-drags={onDrag ? true : undefined} {...hands} viewBox={box.join(" ")} role="img" aria-label={t("joints.body", { robot: model.robot })} preserveAspectRatio="xMidYMid meet">

@@ -7,6 +7,7 @@ import { Badge, Button, Card, Dialog, Empty, Icon, Segments, Stale, Toggle } fro
 import { told } from "../../access";
 import { Mend } from "../../mend";
 import { illness } from "../../lacking";
+import { listen } from "../../live";
 import { useNews } from "../../news";
 import { toldLately } from "../../notices";
 import { command, may, robot } from "../../robot";
@@ -17,7 +18,7 @@ import { motions as motionsWords } from "../../words/motions";
 import { Body3d } from "./Body3d";
 import { Boxes } from "./boxes";
 import { Deeds } from "./Deeds";
-import { jointStreams, useJoints, type Joints as AllJoints } from "./hooks";
+import { jointStreams, listenJoints, useJoints, type Joints as AllJoints } from "./hooks";
 import "./Joints.css";
 import { body, jointNames, loadBody, mirrored, type BodyModel, type JointsState, type Side } from "./model";
 import { aims, Movers, speed, SPEEDS, type Speed } from "./mover";
@@ -63,7 +64,7 @@ function Shown({ model }: { model: BodyModel }) {
   const fresh = useNews(state ? whyNot(state) : null);
   const lost = state?.phase === "holding" || state?.phase === "releasing";
 
-  useEffect(() => { if (state) mover.seen(positions(state)); }, [state]);
+  useEffect(() => listenJoints(streams, (all) => mover.seen(positions(all.state)), listen), [streams.join(" ")]);
   useEffect(() => holding.state.subscribe((now) => { if (!now.moving) mover.forget(); }), [mover]);
   useEffect(() => () => { if (!holding.state.value.to.endsWith("/play")) holding.release(); mover.forget(); }, [mover]); // what is played goes on in other views
 
@@ -191,7 +192,7 @@ function Torque({ names, model, joints, onRecover }: { names: string[]; model: B
         {limp > 0 && <Badge tone="warn" icon="power">{t("joints.some.limp", { count: limp, of: names.length })}</Badge>}
         {state && unknown > 0 && <Badge tone="warn" icon="info">{t("joints.some.unknown", { count: unknown, of: names.length })}</Badge>}
         {bad > 0 && <Badge tone="bad" icon="warn">{t("joints.some.bad", { count: bad })}</Badge>}
-        <Stale sample={joints?.sample ?? null} />
+        <Stale sample={joints} />
       </p>
       <div class="joints-actions">
         {latched.length > 0 && <Button icon="restart" disabled={!operates} onClick={() => onRecover(latched)}>{t("joints.recover.all")}</Button>}

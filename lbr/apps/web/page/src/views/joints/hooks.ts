@@ -1,6 +1,6 @@
 // What the views of joints and motions have in common: streams at the pace of a reader, and the joints of all buses together.
 import { useEffect, useState } from "preact/hooks";
-import { listen, type Sample } from "../../live";
+import { watch, type Aged, type Sample } from "../../live";
 import { streamsOfType } from "../../robot";
 import type { JointsState } from "./model";
 
@@ -23,12 +23,12 @@ function calmly<T>(everyMs: number, show: (newest: T) => void): { hear: (one: T)
   return { hear, end: () => clearTimeout(timer) };
 }
 
-/** The newest sample of a stream, no more than so often: lists need not follow each message. */
+/** What is seen of a stream, no more than so often: lists need not follow each message. */
 export function useCalm<T>(key: string, everyMs = 100): Sample<T> | null {
   const [sample, show] = useState<{ key: string; sample: Sample<T> } | null>(null);
   useEffect(() => {
     const calm = calmly<Sample<T>>(everyMs, (newest) => show({ key, sample: newest }));
-    const end = listen(key, (one) => calm.hear(one as Sample<T>));
+    const end = watch(key, (one) => calm.hear(one as Sample<T>));
     return () => { end(); calm.end(); };
   }, [key, everyMs]);
   return sample?.key === key ? sample.sample : null;
@@ -38,14 +38,14 @@ export function useCalm<T>(key: string, everyMs = 100): Sample<T> | null {
 export const ownerOf = (stream: string): string => stream.split("/")[0] ?? "";
 
 /** All joints of the robot: a robot with several lines of servos has a capability for each. */
-export interface Joints { state: JointsState; owners: Record<string, string>; sample: Sample<JointsState> }
+export interface Joints extends Aged { state: JointsState; owners: Record<string, string> }
 
 export const jointStreams = (): string[] => streamsOfType("JointsState");
 
-/** Calls `fn` with all joints whenever some were measured. */
-export function listenJoints(streams: readonly string[], fn: (joints: Joints) => void): () => void {
+/** Calls `fn` with all joints whenever some are seen to change; by `listen`, whenever some were measured. */
+export function listenJoints(streams: readonly string[], fn: (joints: Joints) => void, by = watch): () => void {
   const newest = new Map<string, Sample<JointsState>>();
-  const ends = streams.map((stream) => listen(stream, (one) => {
+  const ends = streams.map((stream) => by(stream, (one) => {
     newest.set(stream, one as Sample<JointsState>);
     fn(together(newest));
   }));
@@ -53,33 +53,21 @@ export function listenJoints(streams: readonly string[], fn: (joints: Joints) =>
 }
 
 /** What several capabilities say of their joints, as one; the oldest of them says how old it is. */
-export function together(newest: ReadonlyMap<string, Sample<JointsState>>): Joints {
+function together(newest: ReadonlyMap<string, Sample<JointsState>>): Joints {
   const all = [...newest];
   const owners = Object.fromEntries(all.flatMap(([stream, { message }]) => Object.keys(message.joints).map((name) => [name, ownerOf(stream)])));
-  const sample = all.map(([, one]) => one).reduce((a, b) => (a.at <= b.at ? a : b));
-  const told = all.map(([, one]) => one.message).find((one) => one.reason) ?? sample.message;
+  const oldest = (): Sample<JointsState> => all.map(([, one]) => one).reduce((a, b) => (a.at <= b.at ? a : b));
+  const told = all.map(([, one]) => one.message).find((one) => one.reason) ?? oldest().message;
   const joints = Object.assign({}, ...all.map(([, one]) => one.message.joints)) as JointsState["joints"];
-  return { state: { ...told, joints, moving: all.some(([, one]) => one.message.moving) }, owners, sample };
+  return { state: { ...told, joints, moving: all.some(([, one]) => one.message.moving) }, owners, stale: (ms) => oldest().stale(ms), ageMs: () => oldest().ageMs() };
 }
-
-/** Joints at which nothing changes are shown again this often: less than what counts as old. */
-const STILL_MS = 1000;
-/** What readers see of joints: numbers to a thousandth, no ages, nothing of the loop that measures them. */
-const visible = ({ state }: Joints): string =>
-  JSON.stringify({ ...state, sequence: 0, measured_s: 0, loop: null }, (field, value) => (field === "age_s" ? undefined : typeof value === "number" ? Math.round(1000 * value) : value));
 
 /** All joints, drawn again when something about them is seen to change. */
 export function useJoints(streams: readonly string[], everyMs = 100): Joints | null {
   const [joints, show] = useState<Joints | null>(null);
   const key = streams.join(" ");
   useEffect(() => {
-    let shown = { what: "", at: -Infinity };
-    const calm = calmly<Joints>(everyMs, (newest) => {
-      const what = visible(newest);
-      if (what === shown.what && performance.now() - shown.at < STILL_MS) return;
-      shown = { what, at: performance.now() };
-      show(newest);
-    });
+    const calm = calmly<Joints>(everyMs, show);
     const end = listenJoints(streams, calm.hear);
     return () => { end(); calm.end(); };
   }, [key, everyMs]);

@@ -109,6 +109,8 @@ export class Stage {
   private frame = 0;
   private last = 0;
   private stale = true;
+  /** Whether what is wanted was brought nearer since it was last given. */
+  private posed = false;
   private slow = 0;
   private drawnAt = 0;
   private effort = 2;
@@ -144,7 +146,7 @@ export class Stage {
     this.controls.minDistance = 0.6 * this.size;
     this.controls.maxDistance = 6 * this.size;
     this.look("front");
-    this.controls.addEventListener("change", () => { this.stale = true; });
+    this.controls.addEventListener("change", () => this.ask());
     canvas.addEventListener("pointerdown", this.press, true);
     canvas.addEventListener("pointermove", this.move);
     canvas.addEventListener("pointerup", this.lift);
@@ -153,7 +155,7 @@ export class Stage {
     this.watch.observe(canvas);
     this.resize();
     this.warmUp();
-    this.frame = requestAnimationFrame(this.draw);
+    this.ask();
   }
 
   /** Draws once all that may come, so that nothing is prepared while something moves. */
@@ -189,11 +191,14 @@ export class Stage {
       if (aim != null && Number.isFinite(aim)) this.aims.set(joint, aim);
       else this.aims.delete(joint);
     }
+    this.posed = false;
+    this.ask();
   }
 
   /** How the body leans, by its inertial unit; null: not known, then it stands upright. */
   setTilt(roll: number | null, pitch: number | null): void {
     this.tilt = { roll: roll ?? 0, pitch: pitch ?? 0 };
+    this.ask();
   }
 
   setTones(tones: Record<string, Tone>): void {
@@ -222,7 +227,7 @@ export class Stage {
     this.colours = colours;
     for (const joint of this.rings.keys()) this.paint(joint);
     this.drawArc();
-    this.stale = true;
+    this.ask();
   }
 
   /** Looks at all of it from a side. */
@@ -239,7 +244,7 @@ export class Stage {
     this.camera.position.set(middle.x + away * Math.cos(yaw) * 0.97, middle.y + away * 0.2, middle.z - away * Math.sin(yaw) * 0.97);
     this.controls.target.copy(middle);
     this.controls.update();
-    this.stale = true;
+    this.ask();
   }
 
   /** The box around what there is to look at: all of it, or what moves if that is a small part of it. */
@@ -343,7 +348,7 @@ export class Stage {
         material.emissiveIntensity = red ? 0.22 : picked ? 0.16 : 0;
       }
     }
-    this.stale = true;
+    this.ask();
   }
 
   /** A fan that shows how far the chosen joint may go. */
@@ -351,7 +356,7 @@ export class Stage {
     this.arc?.removeFromParent();
     this.arc?.traverse((one) => (one as Partial<Mesh>).geometry?.dispose());
     this.arc = null;
-    this.stale = true;
+    this.ask();
     const bone = this.body.byJoint.get(this.selected);
     const range = this.model.joints[this.selected];
     if (!bone || range?.lower == null || range.upper == null || range.kind !== "hinge") return;
@@ -466,17 +471,25 @@ export class Stage {
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     if (first) this.look("front");
+    this.ask();
+  }
+
+  /** Has it drawn with the next frame. At rest no frame is asked for. */
+  private ask(): void {
     this.stale = true;
+    if (this.frame) return;
+    this.last = performance.now();
+    this.frame = requestAnimationFrame(this.draw);
   }
 
   private readonly draw = (now: number): void => {
-    this.frame = requestAnimationFrame(this.draw);
-    const dt = Math.min(200, now - this.last);
+    const dt = Math.max(0, Math.min(200, now - this.last));
     this.last = now;
     const part = 1 - 0.5 ** (dt / HALF_MS);
     if (this.controls.update()) this.stale = true;
     if (this.follow(part)) this.stale = true;
-    if (!this.stale || document.hidden || (this.effort === 0 && now - this.drawnAt < RARE_MS)) return;
+    this.frame = this.stale ? requestAnimationFrame(this.draw) : 0;
+    if (!this.stale || (this.effort === 0 && now - this.drawnAt < RARE_MS)) return;
     this.stale = false;
     this.drawnAt = now;
     this.slow = dt > SLOW_MS ? this.slow + 1 : 0;
@@ -494,11 +507,12 @@ export class Stage {
 
   /** Brings what is shown nearer to what was measured; says whether anything moved. */
   private follow(part: number): boolean {
-    let changed = false;
+    let changed = !this.posed;
+    this.posed = true;
     for (const [joint, angle] of this.wanted) {
       const was = this.shown.get(joint) ?? angle;
       const is = Math.abs(angle - was) < 1e-4 ? angle : was + (angle - was) * part;
-      if (is !== was || !this.body.byJoint.get(joint)?.hinge.userData["set"]) changed = true;
+      if (is !== was) changed = true;
       this.shown.set(joint, is);
     }
     for (const axis of ["roll", "pitch"] as const) {
@@ -507,8 +521,8 @@ export class Stage {
       this.shownTilt[axis] += way * part;
       changed = true;
     }
-    const ghosts = this.ghosts();
-    if (!changed && !ghosts) return false;
+    if (!changed) return false;
+    this.showGhosts();
     for (const [joint, angle] of this.shown) {
       turn(this.body.byJoint.get(joint), this.model, angle);
       turn(this.ghost.byJoint.get(joint), this.model, this.aims.get(joint) ?? angle);
@@ -517,19 +531,14 @@ export class Stage {
     return true;
   }
 
-  /** Shows where limbs are to go that are not there yet; says whether that changed. */
-  private ghosts(): boolean {
+  /** Shows where limbs are to go that are not there yet. */
+  private showGhosts(): void {
     const going = [...this.aims].filter(([joint, aim]) => Math.abs(aim - (this.shown.get(joint) ?? aim)) > GHOST_RAD).map(([joint]) => joint);
-    let changed = going.length > 0;
     const carried = new Set<string>();
     for (const bone of this.ghost.bones.values()) {
       if (going.includes(bone.link.joint) || carried.has(bone.link.parent)) carried.add(bone.link.name);
-      for (const mesh of bone.meshes) {
-        if (mesh.visible !== carried.has(bone.link.name)) changed = true;
-        mesh.visible = carried.has(bone.link.name);
-      }
+      for (const mesh of bone.meshes) mesh.visible = carried.has(bone.link.name);
     }
-    return changed;
   }
 
   /** Leans it as measured, on the floor; looks at all of it when it has fallen, and when it is up again. */
@@ -554,7 +563,6 @@ const largest = (low: Vec, high: Vec): number => Math.max(high[2] - low[2], high
 function turn(bone: Bone | undefined, model: BodyModel, angle: number): void {
   if (!bone) return;
   const [x, y, z] = bone.link.axis;
-  bone.hinge.userData["set"] = true;
   if (model.joints[bone.link.joint]?.kind === "slide") bone.hinge.position.set(x * angle, y * angle, z * angle);
   else bone.hinge.quaternion.setFromAxisAngle(new Vector3(x, y, z), angle);
 }

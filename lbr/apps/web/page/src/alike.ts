@@ -1,0 +1,20 @@
+// Whether two messages look the same to a person: what does is not drawn again. Pure.
+
+/** How much a number has to change until that is seen, by its name or by the unit at the end of it: about what is shown of it, or what a sensor at rest is off by. */
+const SEEN: Readonly<Record<string, number>> = { m: 0.02, mps: 0.01, mps2: 0.2, rad: 0.002, rps: 0.02, deg: 0.8, v: 0.06, a: 0.06, c: 0.6, percent: 1, hz: 1, roll_rad: 0.009, pitch_rad: 0.009, yaw_rad: 0.014 };
+/** Of what has no unit: parts of one, and counts. */
+const OTHERS = 0.01;
+/** When and how often something was measured, and what it was computed from. */
+const UNSEEN = new Set(["sequence", "measured_s", "age_s", "raw", "loop"]);
+
+/** The difference that is seen of a number; of one that is listed by a robot's own names, that of the list. */
+const least = (field: string, list: number): number => SEEN[field] ?? SEEN[field.slice(field.lastIndexOf("_") + 1)] ?? list;
+
+export function alike(one: unknown, other: unknown, seen = OTHERS): boolean {
+  if (one === other) return true;
+  if (typeof one === "number" && typeof other === "number") return Math.abs(one - other) < seen;
+  if (typeof one !== "object" || typeof other !== "object" || !one || !other) return false;
+  const fields = Object.keys(one);
+  if (fields.length !== Object.keys(other).length) return false;
+  return fields.every((field) => UNSEEN.has(field) || alike(one[field as never], other[field as never], least(field, seen)));
+}
