@@ -30,7 +30,8 @@ class CapabilityDescription(Struct, frozen=True, kw_only=True):
 
 
 class BaseDescription(Struct, frozen=True, kw_only=True):
-    """The twists of a base: the capability that accepts them, sideways motion, and the greatest speeds and power."""
+    """The twists of a base: the capability that accepts them, sideways motion, the greatest speeds and power, and the
+    longest motion without a changed command."""
 
     capability: str
     kind: BaseKind
@@ -38,6 +39,7 @@ class BaseDescription(Struct, frozen=True, kw_only=True):
     max_speed_mps: float
     max_turn_rps: float
     max_power: float = 1.0
+    max_run_s: float = 30.0
 
 
 class RobotDescription(Struct, frozen=True, kw_only=True):

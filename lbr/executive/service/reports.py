@@ -58,7 +58,7 @@ def _base(plan: Plan) -> BaseDescription | None:
         if not any(kind.command(name).message is TwistCommand for name in kind.commands):
             continue
         settings: Any = kind.parse(bytes(unit.config.settings))
-        if not all(hasattr(settings, name) for name in ("track_m", "max_speed_mps", "max_power")):
+        if not all(hasattr(settings, name) for name in ("track_m", "max_speed_mps", "max_power", "max_run_s")):
             continue
         base = base_of(plan.rows.of(Kinematics), plan.rows.of(Wheel), settings.track_m)
         most_mps = settings.max_speed_mps * settings.max_power
@@ -69,6 +69,7 @@ def _base(plan: Plan) -> BaseDescription | None:
             max_speed_mps=round(most_mps, 4),
             max_turn_rps=round(2 * most_mps / base.track_m, 4),
             max_power=settings.max_power,
+            max_run_s=settings.max_run_s,
         )
     return None
 

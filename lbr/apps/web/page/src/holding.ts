@@ -92,6 +92,9 @@ function behind(to: string): boolean {
   return outdated.value;
 }
 
+/** For how long the hand that moves has not changed what it asks for. */
+const unchangedMs = (): number => (active && !once && sentAt ? performance.now() - changedAt : 0);
+
 /** Tells what is new, or that the hand is still there, once that is due. */
 function beat(): void {
   clearTimeout(timer);
@@ -185,7 +188,7 @@ function takeOver(): void {
   if (again && takesOver.value) play(again.to, again.message);
 }
 
-/** Lets a reason go that is over, once no hand has to rest for it; what was asked for stays, so that a hand that is still there has to come to rest first. */
+/** Takes the reason of an end off the page after some seconds; not while a hand has to come to rest for it. `to` stays: `move` still refuses that hand. */
 function fade(): void {
   const left = state.value;
   setTimeout(() => { if (state.value === left && !refused.value) state.value = { ...RESTS, to: left.to }; }, left.code === "held" ? HELD_MS : SHOWN_MS);
@@ -203,4 +206,4 @@ window.addEventListener("pagehide", release);
 document.addEventListener("freeze", release);
 document.addEventListener("visibilitychange", () => { if (document.hidden) release(); });
 
-export const holding = { state, takesOver, move, play, release, forget, takeOver };
+export const holding = { state, takesOver, move, play, release, forget, takeOver, unchangedMs };

@@ -43,5 +43,5 @@ export interface Robot {
   robot: string; simulated: boolean; version: string; revision: number; role: Role; capabilities: Capability[]; words: Word[];
   joints: Record<string, unknown>[]; motions: Record<string, unknown>[]; cameras: unknown[]; wheels: Record<string, unknown>[];
   ranges: RangeSensor[]; buttons: Record<string, unknown>[]; phrases: { name: string; language?: string; text?: string }[];
-  base?: { capability: string; kind: string; sideways: boolean; max_speed_mps: number; max_turn_rps: number; max_power?: number } | null;
+  base?: { capability: string; kind: string; sideways: boolean; max_speed_mps: number; max_turn_rps: number; max_power?: number; max_run_s?: number } | null;
 }

@@ -38,6 +38,18 @@ test("a hand is told at once, kept well within 0.25 s, and quotes the newest tim
   assert.ok(quoted.every((t) => Number.isInteger(t)) && quoted.at(-1)! > before);
 });
 
+test("how long a hand has not changed what it asks for is known, so that its end can be told beforehand", () => {
+  holding.move(TO, { power: 0.3 });
+  live(5000);
+  holding.move(TO, { power: 0.3 });
+  assert.equal(Math.round(holding.unchangedMs() / 1000), 5);
+  holding.move(TO, { power: 0.4 });
+  assert.equal(holding.unchangedMs(), 0);
+  holding.release();
+  live(2000);
+  assert.equal(holding.unchangedMs(), 0);
+});
+
 test("a change is told within 16 ms, the newest only", () => {
   holding.move(TO, { power: 0.1 });
   live(100);

@@ -26,6 +26,8 @@ export const drive = {
   "drive.more": ["{what}: more", "{what}: mehr"],
   "drive.way": ["Travelled", "Weg"],
   "drive.you": ["You drive", "Sie fahren"],
+  "drive.steady": ["Stops in {left} s", "Hält in {left} s"],
+  "drive.steady.how": ["A hand that stays as it is may be gone. Push a little otherwise to go on.", "Eine Hand, die so bleibt, ist vielleicht fort. Etwas anders schieben, dann geht es weiter."],
   "drive.slow": ["Slow link: {speed} speed", "Langsame Verbindung: {speed} Tempo"],
   "drive.slow.half": ["half", "halbes"],
   "drive.slow.age": ["You see what you do {age} s later", "Was Sie tun, sehen Sie {age} s später"],

@@ -26,6 +26,8 @@ interface Line { tone: "calm" | "good" | "warn" | "bad"; icon: IconName; head: s
 /** What the base tells of itself, whether its last end is news, what runs it, and whether it is on a charger. */
 interface Told { drive: DriveState | null; fresh: boolean; run: Run | null; failed: boolean; charging: boolean; part: string }
 
+/** An end for want of a change is told so long before. */
+const TOLD_S = 8;
 /** One looks at something else while a table runs. */
 const FAILED_MS = 60_000;
 /** A run that somebody ended on a page, or by the emergency stop, did not fail. */
@@ -109,7 +111,7 @@ function said(all: Told): Line {
     case "limited":
       return { tone: "warn", icon: "warn", head: t("drive.limited", { by: plain(drive!.limited_by!) }), text: inWords(drive!) };
     case "mine":
-      return slow(pace.value) ?? { tone: "good", icon: "drive", head: t("drive.you"), text: goalOf(drive) ?? "" };
+      return steady() ?? slow(pace.value) ?? { tone: "good", icon: "drive", head: t("drive.you"), text: goalOf(drive) ?? "" };
     case "other":
       if (isPart(drive!.holder) && runs(run)) return { ...running(run!), code: "held_by_part" };
       return { tone: "calm", icon: "person", head: t("drive.holder", { holder: whose(drive!.holder ?? "?") }), text: goalOf(drive) ?? inWords(drive!), code: isPart(drive!.holder) ? "held_by_part" : "held" };
@@ -125,6 +127,12 @@ function said(all: Told): Line {
     default:
       return rest(all);
   }
+}
+
+/** That the robot soon ends a motion which nothing changes, as if nobody were there. */
+function steady(): Line | null {
+  const left = (robot.value?.base?.max_run_s ?? Infinity) - holding.unchangedMs() / 1000;
+  return left < TOLD_S ? { tone: "warn", icon: "info", head: t("drive.steady", { left: Math.max(0, Math.ceil(left)) }), text: t("drive.steady.how") } : null;
 }
 
 /** That the link is slow, what that leaves of the speed, and why. */

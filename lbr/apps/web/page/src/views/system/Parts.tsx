@@ -62,7 +62,7 @@ export function Parts() {
       {disabled.length > 0 && (
         <section class="system-off" aria-label={t("system.off")}>
           <h3>{t("system.off")}</h3>
-          <ul>{disabled.map((name) => <li key={name}><span>{plain(name)}</span>{may("admin") && <Button kind="quiet" label={`${t("system.enable")}: ${name}`} onClick={() => void enable(name, true)}>{t("system.enable")}</Button>}</li>)}</ul>
+          <ul>{disabled.map((name) => <li key={name}><span>{plain(name)}</span>{may("admin") && <Button kind="quiet" label={`${t("system.enable")}: ${plain(name)}`} onClick={() => void enable(name, true)}>{t("system.enable")}</Button>}</li>)}</ul>
         </section>
       )}
       <Dialog
