@@ -1,11 +1,11 @@
 // Whether two messages look the same to a person: what does is not drawn again. Pure.
 
 /** How much a number has to change until that is seen, by its name or by the unit at the end of it: about what is shown of it, or what a sensor at rest is off by. */
-const SEEN: Readonly<Record<string, number>> = { m: 0.02, mps: 0.01, mps2: 0.2, rad: 0.002, rps: 0.02, deg: 0.8, v: 0.06, a: 0.06, c: 0.6, percent: 1, hz: 1, roll_rad: 0.009, pitch_rad: 0.009, yaw_rad: 0.014 };
+const SEEN: Readonly<Record<string, number>> = { m: 0.02, mps: 0.01, mps2: 0.2, rad: 0.002, rps: 0.02, dps: 1, deg: 0.8, v: 0.06, a: 0.06, c: 0.6, percent: 1, hz: 1, roll_rad: 0.009, pitch_rad: 0.009, yaw_rad: 0.014 };
 /** Of what has no unit: parts of one, and counts. */
 const OTHERS = 0.01;
-/** When and how often something was measured, and what it was computed from. */
-const UNSEEN = new Set(["sequence", "measured_s", "age_s", "raw", "loop"]);
+/** When and how often something was measured, what it was computed from, and what no view shows. */
+const UNSEEN = new Set(["sequence", "measured_s", "counted_s", "time_s", "cycle_s", "age_s", "ages_s", "span_s", "raw", "mag_ut", "loop"]);
 
 /** The difference that is seen of a number; of one that is listed by a robot's own names, that of the list. */
 const least = (field: string, list: number): number => SEEN[field] ?? SEEN[field.slice(field.lastIndexOf("_") + 1)] ?? list;
