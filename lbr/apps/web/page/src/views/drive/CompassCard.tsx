@@ -44,7 +44,7 @@ function Shown({ owner }: { owner: string }) {
       ) : (
         <>
           {over ? <p role="status" class="drive-calibrated" data-bad={over.phase === "refused" || undefined}><strong>{t(over.phase === "done" ? "compass.done" : "compass.failed")}</strong> <span class="muted">{over.text}</span></p>
-            : state?.heading_reason && <p class="muted">{inWords({ code: state.code, reason: state.heading_reason })}</p>}
+            : state?.heading_reason ? <p class="muted">{inWords({ code: state.code, reason: state.heading_reason })}</p> : null}
           <Button icon="turn" disabled={!may("operate")} onClick={() => ask(true)}>{t("compass.begin")}</Button>
         </>
       )}

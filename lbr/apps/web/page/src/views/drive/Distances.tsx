@@ -51,7 +51,7 @@ function Line({ one, sample }: { one: Reading; sample: Sample<unknown> }) {
   return (
     <li data-sensor={one.name} data-status={old ? "stale" : one.status}>
       <span class="cut">{named(one.name)}</span>
-      {old ? <Badge tone="warn" icon="warn">{t("age.stale", { age: age(sample.ageMs()) })}</Badge> : told && <Badge tone={calm ? "calm" : "warn"} icon={calm ? undefined : "warn"}>{told}</Badge>}
+      {old ? <Badge tone="warn" icon="warn">{t("age.stale", { age: age(sample.ageMs()) })}</Badge> : told ? <Badge tone={calm ? "calm" : "warn"} icon={calm ? undefined : "warn"}>{told}</Badge> : null}
       {one.distance !== null && <span class="num">{metres(one.distance)}</span>}
     </li>
   );

@@ -16,8 +16,8 @@ function Gauge({ icon, label, value, unit, tone, sample, note, children }: Gauge
   return (
     <div class="drive-gauge" data-tone={old ? undefined : tone} data-old={old || undefined}>
       <span class="drive-gauge-label"><Icon name={old ? "warn" : icon} /><span>{label}</span></span>
-      <span class="drive-gauge-value num">{value}{unit && <small> {unit}</small>}</span>
-      {note && <span class="drive-gauge-note cut">{note}</span>}
+      <span class="drive-gauge-value num">{value}{unit ? <small> {unit}</small> : null}</span>
+      {note ? <span class="drive-gauge-note cut">{note}</span> : null}
       {children}
     </div>
   );

@@ -59,11 +59,11 @@ export function Why({ from }: { from: string }) {
           {why.state !== "ok" && <span lang="en">{why.text}</span>}
         </p>
       ) : (
-        <p role="status"><strong>{line.head}</strong>{line.text && <span>{line.text}</span>}</p>
+        <p role="status"><strong>{line.head}</strong>{line.text ? <span>{line.text}</span> : null}</p>
       )}
       {sample && <Stale sample={sample} />}
       <Button kind="quiet" icon="info" class={stands ? "" : "drive-unseen"} pressed={asks} onClick={() => ask(!asks)}>{t("drive.why")}</Button>
-      {why ? <Cure of={why} part={part} /> : !mine && line.code && <Mend code={line.code} about={part} />}
+      {why ? <Cure of={why} part={part} /> : !mine && line.code ? <Mend code={line.code} about={part} /> : null}
     </div>
     </div>
   );

@@ -102,7 +102,7 @@ function Shown({ model }: { model: BodyModel }) {
           ? <Body3d model={model} streams={streams} selected={selected} may={operates} onPick={pick} onDrag={(joint, rad) => aim(joint, rad, true)} onDrop={() => mover.drop()} />
           : <div class="joints-stage"><Empty icon="joints" title={t("joints.nobody")}><p>{model.reason}</p></Empty></div>}
         {owned.map((owner) => <Held key={owner} capability={owner} />)}
-        {why && <div class="joints-why" role="status"><Icon name="info" /><p>{why}</p><Mend code={sick ? "unwell" : state!.code ?? ""} /></div>}
+        {why ? <div class="joints-why" role="status"><Icon name="info" /><p>{why}</p><Mend code={sick ? "unwell" : state!.code ?? ""} /></div> : null}
       </div>
       <div class="joints-right">
         <Deeds said={why} at={state ? positions(state) : {}} />
