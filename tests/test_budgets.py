@@ -8,7 +8,7 @@ import pytest
 LBR = Path(__file__).parents[1] / "lbr"
 CORE, COMPONENTS = tomllib.loads((Path(__file__).parent / "budgets.toml").read_text()).values()
 BUDGETS: dict[str, int] = {**CORE, **COMPONENTS}
-CORE_LINES = 60_450
+CORE_LINES = 60_300
 
 
 def lines(part: str) -> int:

@@ -2,14 +2,14 @@
 
 from collections.abc import Callable
 from math import inf
-from typing import Protocol
 
-from lbr.capability.context import Received
-from lbr.leases.client import LeaseClient, LeaseTarget, PendingReply, Transport
+from lbr.capability.context import Context
+from lbr.leases.client import LeaseClient, LeaseTarget, PendingReply
 from lbr.messages.codes import Reason, heard
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import JointsCommand, JointsState
 from lbr.messages.leases import CommandReply, StopCommand
+from lbr.operations.motions import MotionsSettings
 from lbr.operations.motions.state import Accepted, Event, JointsEnded, JointsStopped, Lost, Passed
 
 JOINTS = LeaseTarget(
@@ -19,26 +19,10 @@ RENEWAL = JointsCommand()
 STOP_S = 1.0
 
 
-class Context(Transport, Protocol):
-    """The part of a context that is needed here."""
-
-    def latest(self, port: str) -> Received | None:
-        """Return the newest message of an input."""
-
-    def take(self, port: str) -> list[Received]:
-        """Return what arrived on an input."""
-
-    def alive(self, capability: str) -> bool:
-        """Return whether a capability's process is on the bus."""
-
-    def targets(self, request: str) -> tuple[str, ...]:
-        """Return the names of the capabilities wired to a request."""
-
-
 class JointsClient:
     """A client of the joints. `step` calls `happened` with the kernel's events."""
 
-    def __init__(self, ctx: Context, happened: Callable[[Event], None]) -> None:
+    def __init__(self, ctx: Context[MotionsSettings], happened: Callable[[Event], None]) -> None:
         self._ctx = ctx
         self._happened = happened
         self._lease: LeaseClient | None = None
