@@ -44,7 +44,7 @@ def to_sample(c: tuple[int, ...], orientation: Quaternion | None, time_s: float,
 
 
 def to_orientation(counts: tuple[int, ...], divisor: float) -> Quaternion | None:
-    """Return the counts of an answer to `QO` at length 1; None if they are so far from `divisor` that it is none."""
+    """Return the counts of an answer to `QO` at length 1; None if their length differs too much from `divisor`."""
     w, x, y, z = counts
     length = hypot(w, x, y, z)
     if not abs(length / divisor - 1.0) <= LENGTH_TOLERANCE:
