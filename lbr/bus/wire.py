@@ -8,7 +8,7 @@ import threading
 import time
 import traceback
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeVar
 
 import msgspec
@@ -67,6 +67,15 @@ def canonical(key: str) -> str:
         raise BusError(plain(err)) from err
 
 
+@contextlib.contextmanager
+def _named(key: str) -> Iterator[None]:
+    """Raise the library's error as a BusError that names the key."""
+    try:
+        yield
+    except zenoh.ZError as err:
+        raise BusError(f"{key}: {plain(err)}") from err
+
+
 def _leave(err: BaseException) -> None:
     traceback.print_exception(err)
     os._exit(70)
@@ -116,12 +125,13 @@ class Publisher:
         self._seal = seal
         self._renew = renew
         self._last: tuple[Any, bytes, bytes] | None = None
-        self._publisher = session.declare_publisher(
-            key,
-            encoding=self._encoding,
-            congestion_control=zenoh.CongestionControl.DROP,
-            priority=zenoh.Priority.DATA_LOW if pictures else zenoh.Priority.DATA,
-        )
+        with _named(key):
+            self._publisher = session.declare_publisher(
+                key,
+                encoding=self._encoding,
+                congestion_control=zenoh.CongestionControl.DROP,
+                priority=zenoh.Priority.DATA_LOW if pictures else zenoh.Priority.DATA,
+            )
         self._latest = session.declare_queryable(key, direct(self._answer), complete=True)
         if watching is not None:
             self._watch(watching)
@@ -178,10 +188,8 @@ class Subscription:
     ) -> None:
         self._slots: deque[RawMessage] = deque(maxlen=depth)
         self._wake = wake
-        try:
+        with _named(key):
             self._subscriber = session.declare_subscriber(key, direct(self._store))
-        except zenoh.ZError as err:
-            raise BusError(f"{key}: {plain(err)}") from err
 
     def take(self) -> list[RawMessage]:
         """Return the messages since the last call, oldest first."""
@@ -222,10 +230,9 @@ class PolledSubscription:
             self._subscriber.undeclare()
 
     def _received(self) -> zenoh.Sample | None:
-        try:
+        with contextlib.suppress(zenoh.ZError):  # its session is closed
             return self._subscriber.try_recv()
-        except zenoh.ZError:  # its session is closed
-            return None
+        return None
 
 
 class Request:
@@ -365,7 +372,7 @@ class PendingQuery:
         self.replies: list[RawMessage] = []
         self.done = False
         self._wake = wake
-        try:
+        with _named(key):
             session.get(
                 key,
                 zenoh.handlers.Callback(self._reply, self._finished, indirect=False),
@@ -378,8 +385,6 @@ class PendingQuery:
                 priority=zenoh.Priority.REAL_TIME,
                 express=True,
             )
-        except zenoh.ZError as err:
-            raise BusError(f"{key}: {plain(err)}") from err
 
     def _reply(self, reply: zenoh.Reply) -> None:
         if reply.ok is not None:
@@ -398,7 +403,6 @@ def ask(
     *,
     source: str,
     timeout_s: float = 2.0,
-    seal: bytes = b"",
     sent_s: float | None = None,
     attachment: bytes = b"",
     waited_s: float = 0.0,
@@ -410,8 +414,8 @@ def ask(
     by then, `origin` its original sender. `attachment` passes on the stamp itself.
     """
     payload = encode(message) if message is not None else b""
-    stamp = attachment or stamps.make(source, 0, payload, seal, sent_s=sent_s, waited_s=waited_s, origin=origin)
-    try:
+    stamp = attachment or stamps.make(source, 0, payload, sent_s=sent_s, waited_s=waited_s, origin=origin)
+    with _named(key):
         replies = session.get(
             key,
             payload=payload,
@@ -421,8 +425,6 @@ def ask(
             consolidation=zenoh.ConsolidationMode.NONE,
         )
         return [raw(reply.ok) for reply in replies if reply.ok is not None]
-    except zenoh.ZError as err:
-        raise BusError(f"{key}: {plain(err)}") from err
 
 
 def ask_all(
@@ -454,7 +456,7 @@ def put(
 
     `urgent` overtakes streams. `to_others` skips this session's own subscriptions, which would be called at once.
     """
-    try:
+    with _named(key):
         session.put(
             key,
             encode(message),
@@ -465,8 +467,6 @@ def put(
             congestion_control=zenoh.CongestionControl.BLOCK if urgent else zenoh.CongestionControl.DROP,
             express=urgent,
         )
-    except zenoh.ZError as err:
-        raise BusError(f"{key}: {plain(err)}") from err
 
 
 def forward(session: zenoh.Session, key: str, payload: bytes, attachment: bytes) -> None:

@@ -391,7 +391,8 @@ def test_the_emergency_stop_latches_is_acknowledged_and_only_a_sealed_release_le
     wire.put(stage.bus, keys.estop("r"), {"engaged": False}, source="test")
     release = keys.estop_release("r", "probe")
     assert stage.ask(release, {})["code"] == "denied"
-    answers = wire.ask(stage.bus, release, {}, source="executive", seal=bytes.fromhex(KEY))
+    sealed = stamp.make("executive", 0, b"{}", bytes.fromhex(KEY))
+    answers = wire.ask(stage.bus, release, {}, source="executive", attachment=sealed)
     assert json.loads(answers[0].payload)["accepted"] is True
 
 

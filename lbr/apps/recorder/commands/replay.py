@@ -25,7 +25,7 @@ from lbr.apps.recorder.recording.player import Player
 from lbr.bus import access, keys, session, wire
 from lbr.bus.session import Session
 from lbr.commands.options import Number, json_option
-from lbr.errors import BusError, InputError
+from lbr.errors import InputError
 from lbr.messages.camera import JpegFrame
 from lbr.messages.unreadable import UNREADABLE
 
@@ -116,10 +116,7 @@ class Stage:
         picture = message.channel.schema_name == PICTURES
         if message.topic not in self._publishers:
             key = f"{self._robot}/{message.topic}"
-            try:
-                self._publishers[message.topic] = wire.Publisher(self._bus, key, "replay", pictures=picture)
-            except Exception as err:  # the bus library's own error, for a name that is not a valid key
-                raise BusError(f"'{message.topic[:60]}' cannot be published: {err}") from err
+            self._publishers[message.topic] = wire.Publisher(self._bus, key, "replay", pictures=picture)
             self._describe(message.channel)
         publisher = self._publishers[message.topic]
         if not picture:
