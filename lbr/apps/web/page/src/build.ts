@@ -36,8 +36,13 @@ export function loadAgain(): void {
   location.reload();
 }
 
+/** The page is kept once it has had so long to be shown. */
+const SHOWN_MS = 3000;
+
 /** Has the browser keep the page for when the robot is away, and offer to install it; only where it trusts the line. */
 export function keepPage(): void {
   if (!BUILD || !isSecureContext || !navigator.serviceWorker) return;
-  navigator.serviceWorker.register("./worker.js", { updateViaCache: "none" }).catch((err: unknown) => console.info(`this page is not kept: ${String(err)}`));
+  setTimeout(() => {
+    navigator.serviceWorker.register("./worker.js", { updateViaCache: "none" }).catch((err: unknown) => console.info(`this page is not kept: ${String(err)}`));
+  }, SHOWN_MS);
 }

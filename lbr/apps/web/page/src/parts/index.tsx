@@ -1,6 +1,6 @@
 // The pieces that all views are made of.
 import type { AllCSSProperties, ComponentChildren, JSX, PartialInputHTMLAttributes } from "preact";
-import { render } from "preact";
+import { render, toChildArray } from "preact";
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { age } from "../format";
 import { clock, STALE_MS, type Aged } from "../live";
@@ -14,6 +14,19 @@ let ids = 0;
 /** A name for an element that no other has: dialogues are trees of their own, whose `useId` would count from the start again. */
 export function useOwnId(): string {
   return useState(() => `own-${++ids}`)[0];
+}
+
+/** Draws its children one after the other, so that a slow phone answers to a finger in between. */
+export function InTurn({ children }: { children: ComponentChildren }) {
+  const [drawn, draw] = useState(0);
+  const all = toChildArray(children);
+  const over = drawn >= all.length;
+  useEffect(() => {
+    if (over) return undefined;
+    const next = setTimeout(() => draw(drawn + 1));
+    return () => clearTimeout(next);
+  }, [drawn, over]);
+  return <>{all.slice(0, drawn)}</>;
 }
 
 export function Icon({ name, class: more = "" }: { name: IconName; class?: string }) {

@@ -1,16 +1,13 @@
 // Drive: the robot's eyes, the stick, and why it does not move.
 import type { ComponentType } from "preact";
 import { useEffect, useState } from "preact/hooks";
-import { Badge, Slider, Toggle } from "../../parts";
+import { Slider, Toggle } from "../../parts";
 import { number, percent } from "../../format";
 import { may, robot, streamOfType } from "../../robot";
 import { t } from "../../words";
 import { Gauges } from "./Gauges";
 import { gather } from "./MapView";
-import { Distances } from "./Distances";
-import { Moves } from "./Moves";
-import { base, gamepad, listenToHands, sideways, top } from "./pilot";
-import { Speak } from "./Speak";
+import { base, listenToHands, sideways, top } from "./pilot";
 import { Stage } from "./Stage";
 import { Stick } from "./Stick";
 import { canTilt, tilt, tilts } from "./tilt";
@@ -24,7 +21,7 @@ export default function Drive() {
   useEffect(() => listenToHands(drive), [drive]);
   useEffect(gather, [robot.value?.revision]);
   useEffect(keepAwake, []);
-  const [below, show] = useState<{ Shown?: ComponentType }>({});
+  const [below, show] = useState<{ Shown?: ComponentType<{ drive: string }> }>({});
   useEffect(() => { import("./Below").then((module) => show({ Shown: module.default }), () => undefined); }, []);
   return (
     <div class="drive">
@@ -43,11 +40,7 @@ export default function Drive() {
         </div>
       </div>
       <div class="drive-more">
-        <Moves drive={drive} />
-        <Speak />
-        <Distances />
-        {below.Shown && <below.Shown />}
-        {gamepad.value ? <Badge icon="gamepad" tone="good">{t(sideways() ? "drive.gamepad.aside" : "drive.gamepad")}</Badge> : matchMedia("(pointer: fine)").matches && <p class="drive-keys muted">{t(sideways() ? "drive.keys.aside" : "drive.keys")}</p>}
+        {below.Shown && <below.Shown drive={drive} />}
       </div>
     </div>
   );

@@ -3,7 +3,7 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import { Held } from "../../handover";
 import { holding } from "../../holding";
 import { plain } from "../../format";
-import { Badge, Button, Card, Dialog, Empty, Icon, Segments, Stale, Toggle } from "../../parts";
+import { Badge, Button, Card, Dialog, Empty, Icon, InTurn, Segments, Stale, Toggle } from "../../parts";
 import { told } from "../../access";
 import { Mend } from "../../mend";
 import { illness } from "../../lacking";
@@ -106,23 +106,27 @@ function Shown({ model }: { model: BodyModel }) {
       </div>
       <div class="joints-right">
         <Deeds said={why} at={state ? positions(state) : {}} />
-        <Torque names={names} model={model} joints={joints} onRecover={recover} />
-        <Moving both={both} onBoth={setBoth} may={operates} pairs={names.some((name) => mirrored(name, names))} />
-        <div class="joints-groups">
-          {groups.map(([title, group]) => (
-            <Card key={title} class="joints-group" title={title} actions={<Locks group={group} state={state} may={operates} onTorque={torque} title={title} />}>
-              <ul class="joints-list">
-                {group.map((name) => (
-                  <Row
-                    key={name} name={name} range={model.joints[name]!} state={state?.joints[name]} aim={aims.value[name]} selected={name === selected} may={operates && !estop.value.engaged}
-                    onPick={pick} onMove={aim} onTorque={(joint, on) => torque([joint], on)} onRecover={(joint) => recover([joint])}
-                  />
-                ))}
-              </ul>
-            </Card>
-          ))}
-        </div>
-        <div class="joints-boxes"><Boxes /></div>
+        <InTurn>
+          <Torque names={names} model={model} joints={joints} onRecover={recover} />
+          <Moving both={both} onBoth={setBoth} may={operates} pairs={names.some((name) => mirrored(name, names))} />
+          <div class="joints-groups">
+            <InTurn>
+              {groups.map(([title, group]) => (
+                <Card key={title} class="joints-group" title={title} actions={<Locks group={group} state={state} may={operates} onTorque={torque} title={title} />}>
+                  <ul class="joints-list">
+                    {group.map((name) => (
+                      <Row
+                        key={name} name={name} range={model.joints[name]!} state={state?.joints[name]} aim={aims.value[name]} selected={name === selected} may={operates && !estop.value.engaged}
+                        onPick={pick} onMove={aim} onTorque={(joint, on) => torque([joint], on)} onRecover={(joint) => recover([joint])}
+                      />
+                    ))}
+                  </ul>
+                </Card>
+              ))}
+            </InTurn>
+          </div>
+          <div class="joints-boxes"><Boxes /></div>
+        </InTurn>
       </div>
     </div>
   );
