@@ -8,7 +8,6 @@ import threading
 from contextlib import closing
 
 import pytest
-from alembic.script import ScriptDirectory
 
 from lbr.database import migrate
 from lbr.database.claims import Claim
@@ -70,6 +69,8 @@ def stamp(path):
 
 
 def test_the_newest_revision_is_the_one_of_the_sql_file(path):
+    from alembic.script import ScriptDirectory  # half a second, of each process that collects tests
+
     assert ScriptDirectory(str(migrate.MIGRATIONS)).get_heads() == [migrate.HEAD]
     assert stamp(path) == [(migrate.HEAD,)]
     assert f"VALUES ('{migrate.HEAD}')" in robot_db_sql().read_text()

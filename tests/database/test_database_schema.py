@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from lbr.capability import registry
-from lbr.database import edits, schema
+from lbr.database import edits
 from lbr.database.books import BOOKS
 from lbr.database.rows import CORE
 from lbr.database.store import Database
@@ -21,36 +21,47 @@ ROOT = Path(__file__).parents[2]
 TABLE = re.compile(r"CREATE TABLE (\w+) \((.*?)\n\) STRICT", re.DOTALL)
 _, SCHEMA = databases.tables()
 READ = {row.TABLE: row for row in registry.tables()} | {row.TABLE: row for row in (*CORE, *BOOKS)}
-DECLARED = schema.metadata(READ.values())
 OWN = {row.TABLE for row in BOOKS}
 """What lbr writes for itself: no rows that make a robot."""
 
 
+@pytest.fixture(scope="module")
+def schema():
+    from lbr.database import schema  # it takes half a second, of each process that collects tests
+
+    return schema
+
+
+@pytest.fixture(scope="module")
+def declared(schema):
+    return schema.metadata(READ.values())
+
+
 @pytest.mark.parametrize("name", sorted(READ))
-def test_the_file_has_each_table_as_it_is_declared(name):
-    assert f"\n{schema.text(DECLARED.tables[name])}" in robot_db_sql().read_text()
+def test_the_file_has_each_table_as_it_is_declared(schema, declared, name):
+    assert f"\n{schema.text(declared.tables[name])}" in robot_db_sql().read_text()
 
 
 @pytest.mark.parametrize("name", sorted(SCHEMA))
-def test_the_file_has_the_triggers_of_each_table(name):
-    assert schema.revision_triggers(DECLARED.tables[name]) in robot_db_sql().read_text()
+def test_the_file_has_the_triggers_of_each_table(schema, declared, name):
+    assert schema.revision_triggers(declared.tables[name]) in robot_db_sql().read_text()
 
 
-def test_alembic_finds_nothing_else_in_a_new_database():
+def test_alembic_finds_nothing_else_in_a_new_database(schema, declared):
     with closing(sqlite3.connect(":memory:")) as connection:
         connection.executescript(robot_db_sql().read_text())
-        assert schema.differences(connection, DECLARED) == []
+        assert schema.differences(connection, declared) == []
         connection.execute("ALTER TABLE joint ADD COLUMN colour TEXT")
-        assert [found[0] for found in schema.differences(connection, DECLARED)] == ["remove_column"]
+        assert [found[0] for found in schema.differences(connection, declared)] == ["remove_column"]
 
 
-def test_each_column_says_what_it_means():
-    tables = DECLARED.tables.values()
+def test_each_column_says_what_it_means(declared):
+    tables = declared.tables.values()
     assert [table.name for table in tables if not table.comment] == []
     assert [(table.name, column.name) for table in tables for column in table.columns if not column.comment] == []
 
 
-def test_a_new_table_is_a_class_and_the_kind_that_reads_it(client, path, monkeypatch):
+def test_a_new_table_is_a_class_and_the_kind_that_reads_it(schema, client, path, monkeypatch):
     """The example's table, as its class declares it: with its checks, its triggers, and read as any other."""
     monkeypatch.syspath_prepend(ROOT / "docs" / "examples")
     (row,) = (read.row for read in importlib.import_module("greetings").KIND.reads)

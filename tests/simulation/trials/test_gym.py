@@ -64,11 +64,11 @@ def test_what_is_no_number_stops_it(room):
     assert abs(told["speed_mps"]) < 0.02
 
 
-@pytest.mark.parametrize("action", [np.zeros(3), np.zeros((2, 2)), "ab", None, 1.0])
-def test_an_action_that_is_not_two_numbers_is_said_to_be_none(room, action):
+def test_an_action_that_is_not_two_numbers_is_said_to_be_none(room):
     room.reset(seed=1)
-    with pytest.raises(InputError, match="an action is two numbers"):
-        room.step(action)
+    for action in (np.zeros(3), np.zeros((2, 2)), "ab", None, 1.0):
+        with pytest.raises(InputError, match="an action is two numbers"):
+            room.step(action)
 
 
 def test_it_ends_when_the_dock_charges_the_robot(room):
