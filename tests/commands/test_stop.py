@@ -8,6 +8,7 @@ import pytest
 
 from tests.support import programs
 from tests.support import robot as robots
+from tests.support.commands import here
 
 
 @pytest.fixture(scope="module")
@@ -28,16 +29,16 @@ def test_a_frozen_robot_is_shut_down_as_any_other(tmp_path):
 
 def test_a_stop_that_names_no_robot_reaches_all_that_run_here_and_nothing_else_does(both):
     one, other = both
-    done = robots.lbr(one.home, "send", "estop/too", "near")
+    done = here(one.home, "send", "estop/too", "near")
     assert done.returncode == 0, done.stderr
     assert sorted(line.split(":")[0] for line in done.stdout.splitlines()) == ["lbr", "uxa90"]
     for robot in both:
         found = robot.ask("@estop")
         assert (found["engaged"], found["reason"]) == (True, "too near")
-    refused = robots.lbr(one.home, "send", "reset")
+    refused = here(one.home, "send", "reset")
     assert refused.returncode == 2
     assert "--robot NAME" in refused.stderr
-    assert robots.lbr(one.home, "send", "--robot", "lbr", "reset").returncode == 0
+    assert here(one.home, "send", "--robot", "lbr", "reset").returncode == 0
     assert other.ask("@estop")["engaged"]
     assert other.line("reset")["code"] == 0
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.support import needs
-from tests.support.robot import LONG_LEASE, Robot, lbr, prepare, running
+from tests.support.robot import PATIENT, Robot, lbr, prepare, running
 from tests.support.waiting import until
 
 needs.modules("mujoco")
@@ -102,7 +102,7 @@ class Running:
         """Return the robot of a profile as it ships, at rest and on its feet."""
         if profile not in self._robots:
             self.close()
-            home = prepare(self._folders.mktemp("h"), whole=True, edits=(LONG_LEASE,))
+            home = prepare(self._folders.mktemp("h"), whole=True, edits=PATIENT)
             self._robots[profile] = self._stack.enter_context(running(home, profile=profile))
         return at_rest(self._robots[profile])
 
@@ -147,7 +147,7 @@ def test_a_script_said_to_a_robot_runs_to_its_end(robots: Running, profile: str,
 
 
 def starts_and_ends(home: Path, profile: str, script: str, *, whole: bool = True) -> None:
-    told = lbr(prepare(home, whole=whole, edits=(LONG_LEASE,)), "run", profile, stdin=lines(script), limit_s=ENDS_S)
+    told = lbr(prepare(home, whole=whole, edits=PATIENT), "run", profile, stdin=lines(script), limit_s=ENDS_S)
     assert told.returncode == 0, f"{told.stdout}\n{told.stderr}"
 
 

@@ -24,7 +24,7 @@ TYPED_BEFORE_S = 0.5
 
 @pytest.fixture(scope="module")
 def robot(tmp_path_factory):
-    with robots.running(robots.prepare(tmp_path_factory.mktemp("h"), edits=(robots.LONG_LEASE,))) as robot:
+    with robots.running(robots.prepare(tmp_path_factory.mktemp("h"), edits=robots.PATIENT)) as robot:
         yield robot
 
 
@@ -142,7 +142,7 @@ def after(result: dict) -> dict | None:
 
 
 def test_lines_typed_ahead_do_not_move_what_another_console_stopped(tmp_path):
-    home = robots.prepare(tmp_path, edits=(robots.LONG_LEASE,))
+    home = robots.prepare(tmp_path, edits=robots.PATIENT)
     with terminal(home, "run") as ours, terminal(home) as theirs:
         trace = Trace(home / "trace.txt")
         until(lambda: b"all up" in ours.said + theirs.said, what="a robot that is ready, its ranges too")

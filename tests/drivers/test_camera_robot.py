@@ -8,7 +8,8 @@ import pytest
 
 from lbr.bus import wire
 from tests.drivers.camera_peers import PictureSocket, jpeg
-from tests.support.robot import lbr, prepare, running
+from tests.support.commands import here
+from tests.support.robot import prepare, running
 from tests.support.waiting import until
 
 NAMES = ("front", "rear")
@@ -77,7 +78,7 @@ def test_the_selected_camera_is_open_and_nothing_is_left_of_the_other(robot, sou
 def test_a_picture_is_echoed_as_what_it_is_and_saved(robot):
     assert robot.line("/camera/front")["code"] == 0
     until(lambda: picture(robot, "front"), what="a picture")
-    assert lbr(robot.home, "topic", "echo", "camera_front/frame", "--once").stdout.startswith("JPEG, 640x360, ")
+    assert here(robot.home, "topic", "echo", "camera_front/frame", "--once").stdout.startswith("JPEG, 640x360, ")
     said = robot.line("/snapshot/front/kitchen")
     assert said["code"] == 0, said
     assert (robot.home / "pictures" / "kitchen.jpg").read_bytes() == jpeg(0)

@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from tests.support import databases
+from tests.support.commands import here
 from tests.support.robot import Robot, lbr, running
 from tests.support.waiting import STOPS_S, until
 
@@ -113,13 +114,13 @@ def test_what_holds_the_base_is_named_by_the_word_and_by_the_command_and_what_to
     robot.press()
     until(lambda: not robot.ask("@estop")["waiting"], what="it is acknowledged")
     assert told() == told("/why/drive") == ("held", "estop")
-    said = json.loads(lbr(robot.home, "why", "drive", "--json").stdout)
+    said = json.loads(here(robot.home, "why", "drive", "--json").stdout)
     assert (said["code"], said["source"]) == ("estop", "bus")
-    part = lbr(robot.home, "status", "drive").stdout
+    part = here(robot.home, "status", "drive").stdout
     assert ("\nmotors " in part, "\ndrive " in part, told()[1] in part) == (False, True, True)
-    (only,) = json.loads(lbr(robot.home, "status", "drive", "--json").stdout)["capabilities"]
+    (only,) = json.loads(here(robot.home, "status", "drive", "--json").stdout)["capabilities"]
     assert only["name"] == "drive"
-    assert lbr(robot.home, "status", "driv").returncode == 2
+    assert here(robot.home, "status", "driv").returncode == 2
     until(lambda: robot.line("reset")["code"] == 0)
     until(lambda: told()[0] != "held")
     assert robot.line("why drive", role="view")["data"]["code"] == "role"

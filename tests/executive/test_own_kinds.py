@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.support import commands, databases
+from tests.support.commands import here
 from tests.support.robot import lbr, running
 from tests.support.waiting import until
 
@@ -131,11 +132,11 @@ def _phase(robot, name):
 
 
 def test_who_is_locked_out_is_out_while_a_file_is_broken(robot, file, greeted):
-    assert lbr(robot.home, "token", "add", "tablet", "--role", "operate").returncode == 0
+    assert here(robot.home, "token", "add", "tablet", "--role", "operate").returncode == 0
     file.write_text("raise ValueError")
     until(lambda: any("ValueError" in problem for problem in robot.status()["problems"]))
     before = pids(robot)
-    assert lbr(robot.home, "token", "revoke", "tablet").returncode == 0
+    assert here(robot.home, "token", "revoke", "tablet").returncode == 0
     until(lambda: "token 'tablet' has no rights any more" in robot.line("/report/events")["text"])
     assert pids(robot)["greeter"] == before["greeter"]
     assert any("ValueError" in problem for problem in robot.status()["problems"])

@@ -11,7 +11,8 @@ import pytest
 
 from lbr.database import store
 from tests.support import needs
-from tests.support.robot import Robot, lbr, running
+from tests.support.commands import here
+from tests.support.robot import Robot, running
 from tests.support.waiting import STOPS_S, until
 
 KIND = """
@@ -294,14 +295,14 @@ def test_the_base_drives_on_while_they_fail(robot: Robot) -> None:
 
 
 def test_the_table_of_what_runs_and_the_logs_name_the_process(robot: Robot) -> None:
-    assert f"{pids(robot)['ann']} crew" in lbr(robot.home, "status").stdout
+    assert f"{pids(robot)['ann']} crew" in here(robot.home, "status").stdout
     of_before = robot.home / "logs" / "lbr-bob.log"
     of_before.write_text("alone then\n")
     before = pids(robot)["ann"]
     do(robot, "ann", "raise")
     until(in_a_new_process(robot, before))
-    until(lambda: "out of cheese" in lbr(robot.home, "logs", "bob").stdout)
-    assert lbr(robot.home, "logs", "lbr/bob").stdout == "alone then\n"
+    until(lambda: "out of cheese" in here(robot.home, "logs", "bob").stdout)
+    assert here(robot.home, "logs", "lbr/bob").stdout == "alone then\n"
     of_before.unlink()
 
 

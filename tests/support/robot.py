@@ -19,8 +19,13 @@ LBR = [sys.executable, "-m", "lbr.start"]
 
 BASE = ("motors", "ranges", "drive", "world")
 """What most tests need of the robot; the rest would only make every start slower."""
-LONG_LEASE = "UPDATE capability SET settings = json_set(settings, '$.ttl_s', 1.0) WHERE name = 'drive'"
-"""For motions that end by a bound or a stop, not by a machine that holds up a script's renewals."""
+LEASE_S = 1.0
+PATIENT = (
+    f"UPDATE capability SET settings = json_set(settings, '$.ttl_s', {LEASE_S}, '$.motors_max_age_s', 1.0) WHERE name = 'drive'",
+    "UPDATE capability SET settings = json_set(settings, '$.setpoint_valid_s', 0.25) WHERE robot = 'lbr' AND name = 'motors'",
+)
+"""For motions that end by a bound or a stop, not by a busy machine: it holds up who renews a lease for 0.3 s, and a motor
+driver for more than 0.1 s, which then stops."""
 
 
 def prepare(home: Path, *also: str, edits: tuple[str, ...] = (), whole: bool = False) -> Path:

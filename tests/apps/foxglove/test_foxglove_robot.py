@@ -20,19 +20,16 @@ from websockets.sync.client import connect
 from lbr.apps.foxglove import schemas
 from lbr.apps.web import addresses
 from tests.support import programs
-from tests.support.robot import free_port, lbr, prepare, running
+from tests.support.commands import here
+from tests.support.robot import LEASE_S, PATIENT, free_port, prepare, running
 from tests.support.waiting import HANG_S, STOPS_S, until
 
 pytestmark = [pytest.mark.slow_start]
 
 PROTOCOL = "foxglove.websocket.v1"
 RESTS_S = 1.4
-LEASE_S = 1.0
-PATIENT = f"""
-    UPDATE capability SET settings = json_set(settings, '$.ttl_s', {LEASE_S}, '$.attitude_max_age_s', 0.5, '$.motors_max_age_s', 1.0)
-    WHERE robot = 'lbr' AND kind = 'drive'
-"""
-"""The longest life of a lease and of what a turn goes by: a busy machine holds up who renews a goal for 0.3 s."""
+OLDER_ATTITUDE = "UPDATE capability SET settings = json_set(settings, '$.attitude_max_age_s', 0.5) WHERE name = 'drive'"
+"""A turn goes by the attitude, which a busy machine holds up, too."""
 PAGE = "https://app.foxglove.dev"
 TWIST = {"op": "advertise", "channels": [{"id": 1, "topic": "/cmd_vel", "encoding": "json", "schemaName": "Twist"}]}
 DRIVER = """
@@ -143,10 +140,11 @@ def robot(tmp_path_factory, port):
         *("imu", "attitude", "odometry", "camera_front", "cameras"),
         edits=(
             f"UPDATE capability SET enabled = 1, settings = json_object('port', {port}) WHERE name = 'foxglove'",
-            PATIENT,
+            *PATIENT,
+            OLDER_ATTITUDE,
         ),
     )
-    token = lbr(home, "token", "add", "viewer", "--role", "operate", "--for", "web")
+    token = here(home, "token", "add", "viewer", "--role", "operate", "--for", "web")
     assert token.returncode == 0, token.stderr
     with running(home) as robot:
         robot.token = token.stdout.split()[-1]
@@ -430,7 +428,7 @@ def test_other_machines_come_in_by_tls_and_a_token_alone(robot, port):
     with closing(Foxglove(f"wss://{here}:{port}/?token={robot.token}", ssl=trust)) as operates:
         assert operates.newest("drive/state")["moving"] is False
         before = robot.capability("foxglove")["pid"]
-        assert lbr(robot.home, "token", "revoke", "viewer").returncode == 0
+        assert here(robot.home, "token", "revoke", "viewer").returncode == 0
         with pytest.raises(ConnectionClosed):
             operates.until(lambda: False, "its end")
         assert robot.capability("foxglove")["pid"] == before

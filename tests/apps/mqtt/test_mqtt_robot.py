@@ -11,7 +11,8 @@ from lbr.apps.mqtt.kind import KIND
 from lbr.messages.camera import JpegFrame
 from lbr.testing import FakeContext
 from tests.support import mosquitto, needs
-from tests.support.robot import lbr, prepare, running
+from tests.support.commands import here
+from tests.support.robot import prepare, running
 from tests.support.waiting import STOPS_S, until
 
 needs.modules("paho")
@@ -83,7 +84,7 @@ def robot(tmp_path_factory, broker, person, service):
     for name in ("ca.crt", "robot.crt", "robot.key"):
         (credentials / name).write_bytes((broker.folder / name).read_bytes())
         (credentials / name).chmod(0o600)
-    assert lbr(home, "token", "add", "home", "--role", "operate").returncode == 0
+    assert here(home, "token", "add", "home", "--role", "operate").returncode == 0
     with running(home) as robot:
         until(lambda: asked(robot, "mqtt/state")["connected"], what="the broker")
         yield robot
@@ -357,7 +358,7 @@ def test_a_token_that_is_revoked_and_a_row_without_a_broker_ask_for_nothing(robo
     until(lambda: answers(person, since), what="its answer")
     robot.line("stop")
     rests(robot)
-    assert lbr(robot.home, "token", "revoke", "home").returncode == 0
+    assert here(robot.home, "token", "revoke", "home").returncode == 0
     since = len(person.heard)
 
     def refused():
@@ -367,7 +368,7 @@ def test_a_token_that_is_revoked_and_a_row_without_a_broker_ask_for_nothing(robo
     until(refused, what="the refusal")
     rests(robot)
     assert (
-        f"'slowly' was asked for on {TOPIC}/ask/slowly" in lbr(robot.home, "db", "audit", "-n", "500", "--json").stdout
+        f"'slowly' was asked for on {TOPIC}/ask/slowly" in here(robot.home, "db", "audit", "-n", "500", "--json").stdout
     )
     robot.edit("UPDATE capability SET settings = '{}' WHERE robot = 'lbr' AND name = 'mqtt'")
     told = until(lambda: "no broker is named" in robot.capability("mqtt")["reason"] and robot.capability("mqtt"))

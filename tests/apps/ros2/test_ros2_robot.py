@@ -9,7 +9,8 @@ import time
 import pytest
 
 from tests.support import needs, programs
-from tests.support.robot import free_port, lbr, only, prepare, running
+from tests.support.commands import here
+from tests.support.robot import free_port, only, prepare, running
 from tests.support.trace import Trace
 from tests.support.waiting import STOPS_S, until
 
@@ -80,7 +81,7 @@ def homes(tmp_path_factory):
             f" WHERE robot = '{robot}' AND name = 'ros2'"
         )
         home = prepare(tmp_path_factory.mktemp("ros2"), "ros2", edits=(edit, *edits))
-        assert lbr(home, "token", "add", "ros", "--role", "operate").returncode == 0
+        assert here(home, "token", "add", "ros", "--role", "operate").returncode == 0
         return home
 
     return make

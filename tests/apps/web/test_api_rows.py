@@ -10,6 +10,7 @@ import httpx
 import pytest
 
 from lbr.testing.device import plugged
+from tests.support.commands import here
 from tests.support.robot import Robot, lbr, prepare, running
 from tests.support.waiting import until
 
@@ -217,7 +218,7 @@ def test_rubbish_is_refused(owner, body):
 
 
 def test_a_token_is_listed_without_what_proves_it_and_locked_out_at_once(owner, robot):
-    made = lbr(robot.home, "token", "add", "visitor", "--role", "view", "--for", "web")
+    made = here(robot.home, "token", "add", "visitor", "--role", "view", "--for", "web")
     token = made.stdout.split()[0]
     viewer = {"Authorization": f"Bearer {token}"}
     until(lambda: role(owner, viewer) == "view")
@@ -239,7 +240,7 @@ def test_a_token_is_listed_without_what_proves_it_and_locked_out_at_once(owner, 
 
 
 def test_a_token_gets_a_name_for_people_and_goes_on(owner, robot):
-    token = lbr(robot.home, "token", "add", "tablet", "--role", "view", "--for", "web").stdout.split()[0]
+    token = here(robot.home, "token", "add", "tablet", "--role", "view", "--for", "web").stdout.split()[0]
     holder = {"Authorization": f"Bearer {token}"}
     until(lambda: role(owner, holder) == "view")
     assert owner.post("/api/tokens/rename", json={"name": "tablet", "called": "Ann"}).status_code == 200
@@ -270,7 +271,7 @@ def test_what_is_plugged_in_is_told_and_its_rows_are_previewed_as_any_change(own
 def test_the_end_of_a_log_is_told_and_no_other_file(owner, robot):
     log = robot.home / "logs" / "lbr-base.log"
     assert " drive " in owner.get("/api/logs/drive").json()["data"]["text"], "its events are in it"
-    assert " drive " in lbr(robot.home, "logs", "drive").stdout
+    assert " drive " in here(robot.home, "logs", "drive").stdout
     log.write_bytes(b"x" * 70_000 + b"\nthe last line\n")
     found = owner.get("/api/logs/drive").json()["data"]
     assert found["text"].endswith("the last line\n")

@@ -15,7 +15,8 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from lbr.bus import keys
-from tests.support.robot import Robot, lbr, only, prepare, running
+from tests.support.commands import here
+from tests.support.robot import Robot, only, prepare, running
 from tests.support.waiting import HANG_S, until
 
 pytestmark = [pytest.mark.slow_start]
@@ -86,7 +87,7 @@ def test_a_phone_gets_in_by_the_code_and_is_out_once_its_token_is_revoked(robot)
     assert pair(robot, digits)[0] == 403, "a code is good for one device"
     until(lambda: any(f"token '{name}' (operate) is valid" in event["text"] for event in robot.events()))
     assert robot.capability("web")["pid"] == before, "who was connected is cut off by it"
-    (row,) = json.loads(lbr(robot.home, "token", "list", "--json").stdout)
+    (row,) = json.loads(here(robot.home, "token", "list", "--json").stdout)
     assert (row["name"], row["good_for"], row["state"], row["paired_from"]) == (name, "web", "valid", "127.0.0.1")
     with connect(
         robot.web.replace("http:", "wss:") + "/ws",
@@ -94,7 +95,7 @@ def test_a_phone_gets_in_by_the_code_and_is_out_once_its_token_is_revoked(robot)
         ssl=no_check(),
     ) as states:
         states.recv(timeout=HANG_S)
-        assert lbr(robot.home, "token", "revoke", name).returncode == 0
+        assert here(robot.home, "token", "revoke", name).returncode == 0
         assert has_ended(states)
     assert ask(robot, "POST", "/estop/reset", token=token)[0] == 401
     assert robot.capability("web")["pid"] == before, "who has another token is cut off by it"
