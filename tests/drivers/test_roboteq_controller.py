@@ -389,6 +389,14 @@ def test_an_emergency_stop_cuts_then_zeroes_and_release_zeroes_first(bring_up, p
     assert not peer.latched
 
 
+def test_faults_are_unknown_after_a_release_until_they_are_read_again(bring_up, peer):
+    controller = bring_up()
+    controller.open()
+    peer.answer = lambda line: b"" if line == "?FF" else None
+    assert controller.release()
+    assert controller.faults is None
+
+
 def test_garbage_between_the_answers_does_no_harm(bring_up, peer):
     controller = bring_up()
     controller.open()

@@ -43,6 +43,19 @@ def test_after_opening_it_shows_wheels_at_rest(bench):
     assert bench.state.motors == {}, "left and right have fields of their own"
 
 
+def test_wheels_at_rest_are_stepped_less_often_until_they_move_and_until_their_zero_is_acknowledged(bench):
+    bench.steps(0.1)
+    assert bench.motors.rate_hz == capability.STANDING_HZ
+    bench.drive()
+    assert bench.motors.rate_hz == capability.RATE_HZ
+    bench.line.unheard = (b"!M 0 0\r",)
+    bench.steps(0.1, 0.0)
+    assert bench.motors.rate_hz == capability.RATE_HZ
+    bench.line.unheard = ()
+    bench.steps(0.1, 0.0)
+    assert bench.motors.rate_hz == capability.STANDING_HZ
+
+
 # The emergency stop.
 
 

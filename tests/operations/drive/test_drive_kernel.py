@@ -448,6 +448,14 @@ def test_a_rule_on_the_edge_does_not_flood_the_events(bench):
     assert 1 <= len([event for event in bench.events if event.kind == "rule"]) <= 10
 
 
+def test_the_end_of_a_rule_is_an_event_too(bench):
+    reply = moving(bench)
+    for step in range(12):
+        bench.see(forward=(0.4 if step < 6 else 3.0) + 0.01 * step)
+        bench.run(0.1, renewing(bench, reply), sense_each=2)
+    assert [event.code for event in bench.events if event.kind == "rule"] == ["obstacle", ""]
+
+
 def test_ranges_that_fall_silent_stop_motion_towards_them(bench):
     reply = moving(bench)
     bench.ranges_speak = False
