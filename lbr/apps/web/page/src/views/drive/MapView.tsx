@@ -8,7 +8,7 @@ import { robot, streamOfType, streamsOfType } from "../../robot";
 import { t } from "../../words";
 import { Canvas, type Pen } from "./Canvas";
 import { end, fans, points, type Point } from "./geometry";
-import { CELL_M, WorldMap, zoomed, type Sight } from "./map";
+import { CELL_M, SURE, WorldMap, zoomed, type Sight } from "./map";
 
 const LEAST_M = 2;
 const FAR_M = 3;
@@ -44,7 +44,11 @@ export function MapView() {
   const asks = useRef<() => void>(() => undefined);
   const subscribe = useCallback((ask: () => void) => {
     asks.current = ask;
-    const again = setInterval(ask, 100);
+    let drawn = -1;
+    const again = setInterval(() => {
+      if (drawn !== world.changes) ask();
+      drawn = world.changes;
+    }, 100);
     return () => clearInterval(again);
   }, []);
   const look = (sight: Sight | null): void => {
@@ -122,7 +126,7 @@ function paint({ ctx, width, height, colour }: Pen, chosen: Sight | null, shown:
   for (const one of world.cells.values()) {
     const [x, y] = at(one);
     if (x < -cell || y < -cell || x > width + cell || y > height + cell) continue;
-    ctx.globalAlpha = Math.min(1, 0.2 + one.count / 8);
+    ctx.globalAlpha = Math.min(1, 0.2 + one.count / (SURE + 1));
     ctx.fillRect(Math.round(x - cell / 2), Math.round(y - cell / 2), Math.ceil(cell), Math.ceil(cell));
   }
   ctx.globalAlpha = 1;
