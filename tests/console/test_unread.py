@@ -25,7 +25,7 @@ TURN = "/r/0.4/90"
 
 @pytest.fixture(scope="module")
 def robot(tmp_path_factory):
-    with robots.running(robots.prepare(tmp_path_factory.mktemp("h"))) as robot:
+    with robots.running(robots.prepare(tmp_path_factory.mktemp("h"), edits=robots.PATIENT)) as robot:
         yield robot
 
 

@@ -10,6 +10,10 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
+import msgspec
+from msgspec.structs import replace
+
+from lbr.operations.drive.settings import DEFAULT_RULES
 from lbr.testing import robot as robots
 from tests.support import databases, programs
 from tests.support.waiting import HANG_S
@@ -20,12 +24,16 @@ LBR = [sys.executable, "-m", "lbr.start"]
 BASE = ("motors", "ranges", "drive", "world")
 """What most tests need of the robot; the rest would only make every start slower."""
 LEASE_S = 1.0
+RULES = msgspec.json.encode([replace(rule, max_age_s=1.0) for rule in DEFAULT_RULES]).decode()
 PATIENT = (
-    f"UPDATE capability SET settings = json_set(settings, '$.ttl_s', {LEASE_S}, '$.motors_max_age_s', 1.0) WHERE name = 'drive'",
+    f"""
+    UPDATE capability SET settings = json_set(settings, '$.ttl_s', {LEASE_S}, '$.motors_max_age_s', 1.0,
+    '$.attitude_max_age_s', 0.5, '$.rules', json('{RULES}')) WHERE robot = 'lbr' AND name = 'drive'
+    """,
     "UPDATE capability SET settings = json_set(settings, '$.setpoint_valid_s', 0.25) WHERE robot = 'lbr' AND name = 'motors'",
 )
-"""For motions that end by a bound or a stop, not by a busy machine: it holds up who renews a lease for 0.3 s, and a motor
-driver for more than 0.1 s, which then stops."""
+"""For motions that end by a bound or a stop, not by a busy machine: it holds up who renews a lease and what a drive goes by
+for 0.3 s, and a motor driver for more than 0.1 s, which then stops."""
 
 
 def prepare(home: Path, *also: str, edits: tuple[str, ...] = (), whole: bool = False) -> Path:
