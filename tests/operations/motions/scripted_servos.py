@@ -10,7 +10,8 @@ from lbr.drivers.servos import gate
 from lbr.messages.joints import Joint
 from lbr.messages.servos import ServosState, ServoState
 
-VALID_S = 0.1
+VALID_S = 0.5
+"""Longer than a busy machine holds up the joints, which would leave the servos to themselves."""
 
 
 class NoSettings(Struct, frozen=True, forbid_unknown_fields=True):

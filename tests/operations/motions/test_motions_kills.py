@@ -210,8 +210,7 @@ def test_a_stop_in_mid_step_goes_on_to_where_it_stands(robot):
         answers = [robot.ask("motions/stop"), robot.ask("joints/stop")]
         assert all(answer["accepted"] for answer in answers)
         until(lambda: not stepping(robot))
-        assert stands(robot)
-        sweeps_on(robot, 10)  # a busy machine reads the last of its way later
+        until(lambda: stands(robot), what="the last of its way is read")
         assert stays(robot)
         assert phase(robot) == "following"
 
