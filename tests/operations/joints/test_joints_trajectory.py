@@ -98,6 +98,11 @@ def test_it_goes_on_as_fast_as_the_joint_goes_already():
     assert speeds(against, 0.0)["a"] == 0.0
 
 
+def test_it_begins_slower_than_the_joint_goes_where_the_way_would_lead_beyond_its_end():
+    way = plan({"a": 0.0}, [frame(1.0, a=0.4)], LIMITS, "smooth", {"a": 1.9})
+    assert speeds(way, 0.0)["a"] == pytest.approx(3.0 * 0.4)
+
+
 def test_a_joint_that_is_left_out_stays_and_one_that_is_never_named_is_none_of_it():
     way = plan({"a": 0.0, "b": 1.0, "c": 2.0}, [frame(1.0, a=1.0), frame(1.0, b=0.5)], LIMITS, "linear")
     assert positions(way, 1.5) == pytest.approx({"a": 1.0, "b": 0.75})
