@@ -13,7 +13,7 @@ export const codes = {
   "code.rights": ["This machine does not allow it", "Der Rechner erlaubt es nicht"],
   "code.off": ["Switched off", "Ausgeschaltet"],
   "code.latched": ["A device has latched a fault", "Ein Gerät meldet eine Störung"],
-  "code.limit": ["Beyond a limit", "Jenseits einer Grenze"],
+  "code.limit": ["Limit reached", "Grenze erreicht"],
   "code.taken_over": ["Another took over", "Ein anderer hat übernommen"],
   "code.stopped": ["Stopped", "Angehalten"],
   "code.not_ready": ["Not ready yet", "Noch nicht bereit"],
