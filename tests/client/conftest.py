@@ -14,7 +14,7 @@ def home(tmp_path_factory):
 
 @pytest.fixture(scope="package")
 def running(home):
-    with robots.running(robots.prepare(home, "attitude", "imu")) as robot:
+    with robots.running(robots.prepare(home, "attitude", "imu", edits=robots.PATIENT)) as robot:
         yield robot
 
 

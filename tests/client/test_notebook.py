@@ -36,7 +36,7 @@ def home(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def running(home):
-    with robots.running(robots.prepare(home, *PARTS)) as robot:
+    with robots.running(robots.prepare(home, *PARTS, edits=robots.PATIENT)) as robot:
         yield robot
 
 

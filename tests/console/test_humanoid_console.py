@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.support import programs
-from tests.support.robot import LBR, environment, prepare, running
+from tests.support.robot import LBR, PATIENT_SERVOS, environment, prepare, running
 from tests.support.waiting import until
 
 NEEDED = ("servos", "joints", "motions", "world")
@@ -20,7 +20,7 @@ def bioloid():
         "UPDATE capability SET settings = json_set(settings, '$.stand', json('true')) WHERE kind = 'humanoid_world'"
     )
     with tempfile.TemporaryDirectory(prefix="lbr-") as place:
-        home = prepare(Path(place) / "h", edits=(left_out, hung_up))
+        home = prepare(Path(place) / "h", edits=(left_out, hung_up, PATIENT_SERVOS))
         with running(home, profile="bioloid-sim") as robot:
             yield robot
 

@@ -17,6 +17,7 @@ from lbr.errors import DeviceError
 from lbr.messages.leases import CommandReply
 from lbr.messages.rows import Row
 from tests.support.rows import given
+from tests.support.waiting import HANG_S
 
 REQUESTS = ("move", "halt", "torque", "play", "stop_motion", "take_control", "edit", "estop_reset")
 
@@ -201,7 +202,7 @@ def serving(
 
     thread = threading.Thread(target=loop)
     thread.start()
-    opened.wait(5.0)
+    opened.wait(HANG_S)
     try:
         if troubles:
             raise troubles[0]
@@ -209,5 +210,5 @@ def serving(
     finally:
         ended.set()
         stage.wake()
-        thread.join(5.0)
+        thread.join(HANG_S)
         assert not thread.is_alive()
