@@ -8,16 +8,12 @@ from tests.safety.limits import holds
 from tests.scenarios.promises import PROMISES
 from tests.support.bench import Bench, bench
 from tests.support.figures import Results
-from tests.support.robot import PATIENT
 
 
 @pytest.fixture(scope="package")
 def running() -> Iterator[Bench]:
-    """A robot that all scenarios share that leave it standing; each begins with results of its own.
-
-    A busy machine alone stops it as seldom as its rows allow.
-    """
-    with bench(Results(PROMISES), edits=PATIENT) as under_test:
+    """A robot that all scenarios share that leave it standing; each begins with results of its own."""
+    with bench(Results(PROMISES)) as under_test:
         yield under_test
 
 
