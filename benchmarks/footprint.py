@@ -3,7 +3,8 @@
 `python -m benchmarks footprint --seconds 20 --profile bioloid-sim`. Private memory (USS) is compared with as many
 processes that have only a zenoh session. The sum leaves out the world and its drawing process, which a real robot does
 not have. The cameras are switched off first, unless `--cameras`. A humanoid stands with `--say /torque/on --settle 5`.
-`--driving` leaves them on, opens the page in a browser, whose own cost is left out, and drives circles at 0.3 m/s. A wake-up is counted whenever a thread slept and was woken. Exit code 1 if a hard value is broken: ready in 3 s.
+`--driving` leaves them on, opens the page in a browser, whose own cost is left out, and drives circles at 0.3 m/s. A
+wake-up is counted whenever a thread slept and was woken. Exit code 1 if a hard value is broken: ready in 3 s.
 """
 
 import argparse
@@ -37,6 +38,7 @@ SIMULATION = "world"
 CIRCLE = {"vx_mps": 0.3, "vy_mps": 0.0, "wz_rps": 0.8}
 RENEW_S = 0.1
 LEAST_MPS = 0.2
+"""The least mean speed, with the start of the motion in it, of a robot that was not stopped on its way."""
 
 
 class Cost(NamedTuple):
