@@ -36,7 +36,7 @@ export function loadAgain(): void {
   location.reload();
 }
 
-/** The page is kept once it has had so long to be shown. */
+/** The time to show the page before the browser begins to keep it, which takes processor time. */
 const SHOWN_MS = 3000;
 
 /** Has the browser keep the page for when the robot is away, and offer to install it; only where it trusts the line. */

@@ -92,7 +92,7 @@ function behind(to: string): boolean {
   return outdated.value;
 }
 
-/** For how long the hand that moves has not changed what it asks for. */
+/** The time since the hand that moves something last changed its command. */
 const unchangedMs = (): number => (active && !once && sentAt ? performance.now() - changedAt : 0);
 
 /** Tells what is new, or that the hand is still there, once that is due. */
