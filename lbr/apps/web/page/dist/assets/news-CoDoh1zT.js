@@ -1,0 +1,1 @@
+import{H as e,K as t,W as n}from"./access-Dt3tEW4X.js";import{m as r}from"./index-BCC0XYjs.js";function i(i,a=r){let[o,s]=t(``),c=n(!1);return e(()=>{if(i===null)return;s(c.current?i:``),c.current=!0;let e=setTimeout(()=>s(``),a);return()=>clearTimeout(e)},[i]),!!i&&o===i}export{i as t};
