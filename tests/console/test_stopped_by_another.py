@@ -73,7 +73,7 @@ def at_rest(trace) -> None:
 
 @pytest.mark.parametrize("stop", ["s", "estop"])
 def test_a_script_ends_at_a_stop_by_another(robot, trace, stop):
-    with script(robot, BOUNDED, ON, "/report/health", "clock", ON) as ours, terminal(robot.home) as theirs:
+    with terminal(robot.home) as theirs, script(robot, BOUNDED, ON, "/report/health", "clock", ON) as ours:
         moving(trace)
         theirs.type(f"{stop}\r".encode())
         at_rest(trace)

@@ -1,10 +1,13 @@
 """The driver against the emulated chip, which was written from the same datasheets by other means."""
 
 import time
+from functools import partial
 
 import msgspec
 import pytest
 
+from lbr.drivers import i2c
+from lbr.drivers.i2c_socket import SocketBus
 from lbr.drivers.mpu9150 import KIND
 from lbr.errors import DeviceError
 from lbr.simulation.devices.mpu9150.twin import Mpu9150
@@ -25,7 +28,8 @@ def chip():
 
 
 @pytest.fixture
-def ctx(tmp_path, chip):
+def ctx(tmp_path, chip, monkeypatch):
+    monkeypatch.setattr(i2c, "SocketBus", partial(SocketBus, deadline_s=HANG_S))  # a chip that is held up
     turns = 0
 
     def answer(messages):

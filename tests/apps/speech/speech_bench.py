@@ -74,8 +74,8 @@ class Bench:
         self.home = Path(ctx.home)
         self.speech = KIND.load()(ctx)
 
-    def until(self, look: Any, within_s: float = 4.0) -> Any:
-        return until(lambda: (self.speech.step(), look())[1], within_s)
+    def until(self, look: Any) -> Any:
+        return until(lambda: (self.speech.step(), look())[1])
 
     def ask(self, message: Any) -> Any:
         call = FakeCall("say", message, source="tester")

@@ -218,7 +218,7 @@ def test_the_real_engine_is_heard_in_the_simulated_speaker(tmp_path):
     try:
         found.until(lambda: found.ctx.health[-1] == "ready")
         found.say("Well.")
-        found.until(lambda: found.state.speaking)
+        found.until(lambda: found.state.spoken)
         assert wav.peak(found.heard[0]) > wav.SILENT_PEAK
     finally:
         found.speech.close()
