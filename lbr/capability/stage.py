@@ -154,7 +154,7 @@ class Stage:
 
     def time_of(self, name: str) -> float:
         """Return a capability's own time, in which it may still be waiting for its device."""
-        return max(self.now, self._busy_until.get(name, 0.0))
+        return max(self.bus.clock(), self._busy_until.get(name, 0.0))
 
     def spend(self, name: str, seconds: float) -> None:
         """Let a capability wait for its device."""

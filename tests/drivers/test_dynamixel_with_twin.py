@@ -114,7 +114,7 @@ FAULTS = [
 @pytest.mark.parametrize("faults", FAULTS, ids=lambda faults: next(iter(faults)))
 def test_on_a_bad_line_every_state_is_true(faults, dongle):
     rig = Rig(dongle, **faults)
-    states = rig.sweep(1.5)
+    states = rig.sweep(1.1)
     seen = [(number, seen.motion) for state in states for number, seen in state.servos.items() if seen.motion]
     assert len(seen) > 100
     assert all(motion.position == rig.raw(number) for number, motion in seen)
@@ -135,7 +135,7 @@ def test_on_a_bad_line_every_state_is_true(faults, dongle):
 )
 def test_a_bad_servo_is_named_and_slows_nobody(faults, said):
     rig = Rig(**faults)
-    snapshot = rig.sweep(4.0)[-1]
+    snapshot = rig.sweep(2.0)[-1]
     assert said in snapshot.servos[7].reason
     assert not any(seen.reason for number, seen in snapshot.servos.items() if number != 7)
     assert snapshot.sweeps_hz > 55.0

@@ -16,7 +16,10 @@ TICK_S = 0.02
 def standing(**settings):
     """An engine whose body has come to rest on its feet."""
     engine = humanoid(hand_s=0.1, **settings)
-    run(engine, drives({}), 8.0)
+    for _ in range(round(8.0 / TICK_S)):
+        engine.step(drives({}), TICK_S)
+        if engine.resting:
+            break
     assert engine.resting
     assert engine.pose().stands
     assert not engine.held

@@ -47,24 +47,35 @@ def goes_to(robot: str, pose: dict[str, float]) -> dict[str, float]:
     return engine.pose().joints
 
 
+def part_of(joint: Joint) -> str:
+    return joint.name.removeprefix(f"{joint.side}_")
+
+
 def makes_room(joint: Joint) -> dict[str, float]:
     """What else has to move before a joint can go inwards."""
-    side, _, part = joint.name.partition("_")
-    other = {"left": "right", "right": "left"}.get(side, "")
-    angles, _ = ASIDE.get(part, ({}, ""))
-    return {f"{other if part == 'hip_roll' else side}_{name}": angle for name, angle in angles.items()}
+    other = {"left": "right", "right": "left"}.get(joint.side, "")
+    angles, _ = ASIDE.get(part_of(joint), ({}, ""))
+    return {f"{other if part_of(joint) == 'hip_roll' else joint.side}_{name}": angle for name, angle in angles.items()}
 
 
-@pytest.mark.parametrize(("robot", "name"), [(robot, joint.name) for robot in ROBOTS for joint in known(robot)[0]])
-def test_a_joint_reaches_both_limits_of_its_row(robot, name):
-    joint = hung(robot)[1][name]
-    for limit in (joint.lower_rad, joint.upper_rad):
-        room = makes_room(joint) if limit < 0.0 else {}
-        if room:
-            goes_to(robot, room)
-        assert goes_to(robot, {**room, name: limit})[name] == pytest.approx(limit, abs=NEAR_RAD)
-        if room:
-            goes_to(robot, room)
+def reaches(robot: str, limits: dict[str, float], room: dict[str, float]) -> None:
+    if room:
+        goes_to(robot, room)
+    reached = goes_to(robot, {**room, **limits})
+    assert {name: reached[name] for name in limits} == pytest.approx(limits, abs=NEAR_RAD)
+    if room:
+        goes_to(robot, room)
+        goes_to(robot, {})
+
+
+@pytest.mark.parametrize(
+    ("robot", "part"), [(robot, part) for robot in ROBOTS for part in dict.fromkeys(map(part_of, known(robot)[0]))]
+)
+def test_the_joints_of_both_sides_reach_both_limits_of_their_rows(robot, part):
+    joints = [joint for joint in hung(robot)[1].values() if part_of(joint) == part]
+    for sides in [joints] if part not in ASIDE else [[joint] for joint in joints]:
+        reaches(robot, {joint.name: joint.lower_rad for joint in sides}, makes_room(sides[0]))
+        reaches(robot, {joint.name: joint.upper_rad for joint in sides}, {})
         goes_to(robot, {})
 
 

@@ -23,7 +23,7 @@ class Walled(Body):
         self._ages_s = {"forward": age_ticks * TICK_S} if tells_age else {}
         self._wall_m, self._ticks, self._told = wall_m, 0, {}
         super().__init__(**settings)
-        self.ranges_speak = False
+        self.ranges_speak = self.attitude_speaks = False
         self.see(forward=round(wall_m, 2))
 
     @property

@@ -85,7 +85,7 @@ class Driven(WholeRobot):
     def __init__(self, patch, units, home):
         super().__init__(patch, units, home)
         self.sent_s = 0.0
-        self.run(1.0)
+        self.run(0.7)
         self.twin = self.twins["motor_controller"]
 
     @property
@@ -113,7 +113,7 @@ class Driven(WholeRobot):
         assert self.turned[-1] > self.stage.now - 2 * TICK_S
         return reply.lease
 
-    def stands(self, for_s=1.0):
+    def stands(self, for_s=2 * TTL_S):
         """Say whether from now on no wheel is told to turn, and none does."""
         since_s = self.stage.now
         self.run(for_s)
@@ -290,15 +290,15 @@ def board_says(robot, **faults):
 def rested(robot):
     """Its base and what its range board says, which has not changed for a while."""
     heard = robot.stage.hear("ranges", "readings")
-    robot.run(4.0)
+    robot.run(2.0)
     heard.clear()
     return robot, heard
 
 
 def test_distances_of_a_standing_base_are_said_twice_a_second_and_a_change_within_a_frame(rested):
     robot, heard = rested
-    robot.run(10.0)
-    assert 18 <= len(heard) <= 23
+    robot.run(4.0)
+    assert 7 <= len(heard) <= 9
     assert all(one.rests for one in heard)
     heard.clear()
     board_says(robot, range_forward_m=0.9)
@@ -503,7 +503,7 @@ class Posed(WholeRobot):
 
     def ended(self, since_s):
         """Let time go by, and return after how long the last goal came, to a millisecond."""
-        self.run(1.0)
+        self.run(2 * TTL_S)
         return round(self.goals[-1][0] - since_s, 3)
 
     def holds(self):

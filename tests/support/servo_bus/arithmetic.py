@@ -13,7 +13,7 @@ def wire_hz(kind: str, delay: int) -> float:
         requests = [_packet(1 + turn % SERVOS, 2, 36 + 2 * word, 2) for turn in range(SERVOS) for word in range(3)]
     else:
         requests = [_packet(1 + turn, 2, 36, 6) for turn in range(SERVOS)]
-    while now < 102.0:
+    while now < 100.5:
         for request in requests:
             bus.feed(request, now)
             while (due := bus.next_due()) is not None:
