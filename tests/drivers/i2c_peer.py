@@ -1,14 +1,23 @@
-"""An i2c bus behind a unix socket for tests: registers by address, and whatever can go wrong with them."""
+"""An i2c bus for tests, behind a unix socket or in memory: registers by address, and whatever can go wrong with them."""
 
 import errno
+import os
 import socket
 import struct
 import threading
 from collections.abc import Callable
 from contextlib import suppress
+from io import BytesIO
 from pathlib import Path
+from typing import Any
+
+import pytest
 
 from lbr.capability.context import Device
+from lbr.capability.tap import Tap
+from lbr.drivers.i2c_bus import Bus, encode
+from lbr.drivers.mpu9150 import KIND, capability, controller
+from tests.drivers.peers import DriverContext
 
 MPU, COMPASS = 0x68, 0x0C
 Messages = list[tuple[int, bytes | int]]
@@ -56,6 +65,47 @@ class Server:
                     if (answer := self.answer(messages)) is not None:
                         client.sendall(answer)
             self._client = None
+
+
+class MemoryBus(Bus):
+    """A bus whose transactions take no time."""
+
+    def __init__(self, answer: Callable[[Messages], bytes | None]) -> None:
+        super().__init__(Tap())
+        self.answer = answer
+        self.log: list[Messages] = []
+
+    def transact(self, address: int, written: bytes, length: int) -> bytes:
+        messages = read_request(BytesIO(encode(address, written, length)))
+        assert messages is not None
+        self.log.append(messages)
+        answer = self.answer(messages)
+        error = errno.ETIMEDOUT if answer is None else answer[0]
+        if answer is None or error:
+            raise OSError(error, os.strerror(error))
+        return answer[1:]
+
+    def close(self) -> None:
+        pass
+
+
+class Unit(DriverContext):
+    """The context of an inertial unit on such a bus; its clock goes on by itself only as far as the driver sleeps."""
+
+    def __init__(self, patch: pytest.MonkeyPatch, bus: Bus, **settings: Any) -> None:
+        super().__init__(KIND, KIND.settings(device="imu", **settings), "unix:/memory/imu", "mpu9150")
+        patch.setattr(capability, "open_bus", lambda _device, address: (bus, address))
+        patch.setattr(controller.InertialUnit.__init__, "__defaults__", (self.clock, self.sleep))
+
+    def clock(self) -> float:
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        self.now += seconds
+
+    @property
+    def samples(self) -> list[Any]:
+        return [sample for _, sample in self.published]
 
 
 def read_request(stream) -> Messages | None:

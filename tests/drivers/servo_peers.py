@@ -1,4 +1,5 @@
-"""A chain of AX-12A servos at the other end of a pty: as little of them as the driver's tests need, and their faults."""
+"""A chain of AX-12A servos at the other end of a line, in memory or a pty: as little of them as the driver's tests need, and
+their faults."""
 
 import os
 import select
@@ -7,7 +8,11 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from lbr.drivers.servos.line import ServoLine
+from lbr.testing import FakeContext
 from tests.drivers.peers import Pty
+
+ANSWER_S = 0.0005
 
 
 def chk(body: bytes) -> bytes:
@@ -85,58 +90,39 @@ class Servo:
         self.put(34, 0)
 
 
-class Chain(Pty):
-    """Servos on a pty. `answer` may replace what one request is answered with; None: as usual."""
+class ServoChain:
+    """Servos that answer requests. `answer` may replace what one request is answered with; None: as usual."""
 
-    def __init__(self, path: Path, servos: int = 3, *, adapter: bool = False) -> None:
+    def __init__(self, servos: int = 3, *, adapter: bool = False) -> None:
         self.servos = {number: Servo(number) for number in range(1, servos + 1)}
         self.dead: set[int] = set()
         self.adapter = adapter
         self.echo = False
         self.log: list[bytes] = []
-        self.times: list[float] = []
         self.answer: Callable[[bytes, bytes], bytes | None] = lambda _request, _usual: None
         self._held = b""
-        self._stop = threading.Event()
-        super().__init__(path)
-        self._thread = threading.Thread(target=self._serve, daemon=True)
-        self._thread.start()
-
-    def finish(self) -> None:
-        self._stop.set()
-        self._thread.join()
-        super().finish()
 
     def writes(self, address: int) -> list[bytes]:
         """Return the requests that write at this address, to one or to all."""
         return [packet for packet in self.log if packet[4] in (0x03, 0x83) and packet[5] == address]
 
-    def _serve(self) -> None:
-        while not self._stop.is_set():
-            if self.master < 0:
-                time.sleep(0.001)
-                continue
-            try:
-                if select.select([self.master], [], [], 0.005)[0]:
-                    self._take(os.read(self.master, 4096))
-            except (OSError, ValueError):
-                continue
-
-    def _take(self, data: bytes) -> None:
+    def hear(self, data: bytes) -> bytes:
+        """Take bytes; return what is answered."""
         self._held += data
+        answers = b""
         while len(self._held) >= 4:
             if self._held[:2] != b"\xff\xff" or self._held[2] == 0xFF:
                 self._held = self._held[1:]
                 continue
             end = self._held[3] + 4
             if len(self._held) < end:
-                return
+                break
             request, self._held = self._held[:end], self._held[end:]
             self.log.append(request)
-            self.times.append(time.monotonic())
             usual = (request if self.echo else b"") + self._usual(request)
             other = self.answer(request, usual)
-            os.write(self.master, usual if other is None else other)
+            answers += usual if other is None else other
+        return answers
 
     def _usual(self, request: bytes) -> bytes:
         servo, code, params = request[2], request[4], request[5:-1]
@@ -176,3 +162,53 @@ class Chain(Pty):
             for servo in ids
         ]
         return status(0xFD, b"".join(blocks))
+
+
+class Chain(ServoChain, Pty):
+    """Servos on a pty."""
+
+    def __init__(self, path: Path, servos: int = 3, *, adapter: bool = False) -> None:
+        ServoChain.__init__(self, servos, adapter=adapter)
+        Pty.__init__(self, path)
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._serve, daemon=True)
+        self._thread.start()
+
+    def finish(self) -> None:
+        self._stop.set()
+        self._thread.join()
+        super().finish()
+
+    def _serve(self) -> None:
+        while not self._stop.is_set():
+            if self.master < 0:
+                time.sleep(0.001)
+                continue
+            try:
+                if select.select([self.master], [], [], 0.005)[0]:
+                    os.write(self.master, self.hear(os.read(self.master, 4096)))
+            except (OSError, ValueError):
+                continue
+
+
+class MemoryLine(ServoLine):
+    """A line to servos in memory; who waits for an answer has the test's time go on."""
+
+    def __init__(self, chain: ServoChain, ctx: FakeContext, baud: int, margin_s: float) -> None:
+        self.name, self.baud, self.margin_s = "of the test", baud, margin_s
+        self._chain, self._ctx, self._came = chain, ctx, b""
+
+    def fileno(self) -> int:
+        return -1
+
+    def send(self, data: bytes) -> bool:
+        self._came += self._chain.hear(data)
+        return True
+
+    def read(self, wait_s: float = 0.0) -> bytes:
+        self._ctx.now += ANSWER_S if self._came else wait_s
+        data, self._came = self._came, b""
+        return data
+
+    def close(self) -> None:
+        pass

@@ -4,15 +4,17 @@ import sys
 import time
 from concurrent.futures import Future
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 import pytest
 
-from lbr.drivers.dynamixel import KIND
+from lbr.drivers.dynamixel import KIND, capability
 from lbr.drivers.dynamixel.bus import STATE_ADDRESS, STATE_BYTES, Bus
 from lbr.drivers.dynamixel.capability import Dynamixel
 from lbr.drivers.dynamixel.model import Ax12
 from lbr.drivers.dynamixel.table import position_rad
+from lbr.drivers.servos.bus_thread import BusThread
 from lbr.drivers.servos.line import ServoLine
 from lbr.drivers.servos.register_release import RegisterRelease
 from lbr.errors import DeviceError
@@ -20,30 +22,47 @@ from lbr.messages.joints import Joint
 from lbr.messages.servos import RecoverServos, ServoGoal, ServoSetpoint
 from lbr.testing import FakeCall
 from tests.drivers.peers import DriverContext
-from tests.drivers.servo_peers import Chain, status
+from tests.drivers.servo_peers import Chain, MemoryLine, ServoChain, status
 from tests.support import programs
 from tests.support.waiting import HANG_S, until
 
 SETTINGS = '{"device": "servos", "guard": false, "reply_margin_s": 0.03, "sweep_hz": 250}'
+START = BusThread.start
+STEP_S, MOST_S = 0.004, 100.0
 
 
-def joint(servo):
-    return Joint(name=f"joint_{servo}", device_id=servo, lower_rad=-2.0, upper_rad=2.0, speed_rps=3.0)
+class Context(DriverContext):
+    """The context of a driver of servos, in the test's own time."""
+
+    def __init__(self, chain, settings=SETTINGS, address="/memory/servos"):
+        super().__init__(KIND, KIND.parse(settings), address, "dynamixel")
+        self.wired["setpoint"] = ("joints",)
+        self.given = tuple(
+            Joint(name=f"joint_{servo}", device_id=servo, lower_rad=-2.0, upper_rad=2.0, speed_rps=3.0)
+            for servo in chain.servos
+        )
+
+    def clock(self):
+        return self.now
 
 
 class Rig:
-    """A driver in this process, its chain, a clock that may jump, and a mover that sends when told."""
+    """A driver, its chain and the thread of its bus in the test's time, and a mover that sends when told."""
 
-    def __init__(self, chain, settings=SETTINGS):
-        self.chain = chain
-        self.ahead_s = 0.0
-        self.ctx = DriverContext(KIND, KIND.parse(settings), chain.path, "dynamixel")
-        self.ctx.wired["setpoint"] = ("joints",)
-        self.ctx.given = tuple(joint(servo) for servo in chain.servos)
-        self.ctx.clock = lambda: time.monotonic() + self.ahead_s
+    def __init__(self, patch, chain, settings=SETTINGS):
+        self.chain, self.threads, self.sent = chain, [], None
+        self.ctx = Context(chain, settings)
+        line = partial(MemoryLine, chain, self.ctx)
+        patch.setattr(capability, "open_servo_line", lambda _device, baud, margin_s: line(baud, margin_s))
+        patch.setattr(BusThread, "start", lambda thread: self.threads.insert(0, thread))
         self.driver = Dynamixel(self.ctx)
-        self.sent = None
         self.driver.open()
+
+    def close(self):
+        """Close it as its process does: the bus's thread does what is left."""
+        while self.threads:
+            START(self.threads.pop())
+        self.driver.close()
 
     def send(self, **fields):
         """Say from now on what every servo is to do; none: fall silent."""
@@ -55,10 +74,15 @@ class Rig:
             message = ServoSetpoint(goals=goals, **{k: v for k, v in self.sent.items() if k != "goals"})
             self.ctx.give(message, source="joints")
         self.driver.step()
-        time.sleep(0.001)
+        until_s = self.ctx.now + STEP_S
+        for thread in self.threads:
+            while self.ctx.now < until_s and (rest_s := thread.turn()) is not None:
+                self.ctx.now += max(0.0, min(rest_s, until_s - self.ctx.now))
 
     def until(self, condition):
-        until(lambda: self.step() or (bool(self.ctx.published) and condition()))
+        last_s = self.ctx.now + MOST_S
+        while not (self.step() or (self.ctx.published and condition())):
+            assert self.ctx.now < last_s
 
     def servo(self, servo):
         return next(state for state in self.ctx.state.servos if state.id == servo)
@@ -87,10 +111,26 @@ class Rig:
 
 
 @pytest.fixture
-def rig(chain):
-    rig = Rig(chain)
-    yield rig
-    rig.driver.close()
+def chain():
+    return ServoChain()
+
+
+@pytest.fixture
+def start(chain, monkeypatch):
+    rigs = []
+
+    def start(settings=SETTINGS):
+        rigs.append(Rig(monkeypatch, chain, settings))
+        return rigs[-1]
+
+    yield start
+    for rig in rigs:
+        rig.close()
+
+
+@pytest.fixture
+def rig(start):
+    return start()
 
 
 def test_starting_moves_nothing_and_tells_every_servo(rig, chain):
@@ -136,10 +176,10 @@ def test_silence_holds_then_fades_then_lets_go_and_wants_to_be_switched_on_anew(
     rig.until(lambda: rig.ctx.state.phase == "holding")
     rig.until(lambda: all(servo.goal == 570 for servo in chain.servos.values()))
     assert "no setpoint within 0.1 s" in rig.ctx.state.reason
-    rig.ahead_s += 32.0
+    rig.ctx.now += 32.0
     rig.until(lambda: rig.ctx.state.phase == "releasing")
     rig.until(lambda: all(0 < servo.torque < 700 for servo in chain.servos.values()))
-    rig.ahead_s += 5.0
+    rig.ctx.now += 5.0
     rig.until(lambda: not any(servo.torque for servo in chain.servos.values()))
     rig.until(lambda: rig.ctx.state.phase == "released")
     rig.until(lambda: "let_go" in rig.ctx.kinds())
@@ -187,13 +227,12 @@ def test_the_emergency_stop_holds_and_is_acknowledged_when_every_servo_was_read_
     assert all(servo.goal == 580 for servo in chain.servos.values())
 
 
-def test_the_emergency_stop_may_let_go_at_once(chain):
-    rig = Rig(chain, SETTINGS.replace("{", '{"on_estop": "release", ', 1))
+def test_the_emergency_stop_may_let_go_at_once(chain, start):
+    rig = start(SETTINGS.replace("{", '{"on_estop": "release", ', 1))
     rig.on()
     rig.ctx.estop.engaged = True
     rig.until(lambda: not any(servo.torque for servo in chain.servos.values()))
     rig.until(lambda: rig.ctx.estop.acknowledged[-1] == (True, ""))
-    rig.driver.close()
 
 
 def test_a_servo_that_does_not_answer_keeps_the_stop_unacknowledged(rig, chain):
@@ -316,54 +355,51 @@ def test_a_stop_takes_no_servo_back_to_where_it_was_when_it_was_measured_last(ri
     assert chain.servos[2].goal == 700
 
 
-def test_torque_that_was_found_is_held_where_the_servo_is(chain):
+def test_torque_that_was_found_is_held_where_the_servo_is(chain, start):
     chain.servos[1].write(24, b"\1")
     chain.servos[1].stuck = 400
     chain.servos[1].settle()
-    rig = Rig(chain)
+    rig = start()
     rig.until(lambda: chain.servos[1].goal == 400)
     assert rig.ctx.state.phase == "holding"
-    rig.ahead_s += 36.0
+    rig.ctx.now += 36.0
     rig.until(lambda: chain.servos[1].torque == 0)
-    rig.driver.close()
 
 
-def test_a_servo_that_is_found_with_torque_keeps_it_until_its_mover_knows_of_it(chain):
+def test_a_servo_that_is_found_with_torque_keeps_it_until_its_mover_knows_of_it(chain, start):
     chain.servos[2].write(24, b"\1")
     chain.dead.add(2)
-    rig = Rig(chain)
+    rig = start()
     rig.send(goals=(ServoGoal(id=1), ServoGoal(id=3)))
     rig.until(lambda: rig.ctx.state.phase == "following")
     chain.dead.clear()
     rig.until(lambda: rig.servo(2).torque)
     assert chain.servos[2].torque
     rig.until(lambda: not chain.servos[2].torque)
-    rig.driver.close()
 
 
-def test_nothing_is_said_before_every_servo_was_looked_for(chain):
+def test_nothing_is_said_before_every_servo_was_looked_for(chain, start):
     chain.servos[3].write(24, b"\1")
     chain.dead.add(2)
-    rig = Rig(chain)
+    rig = start()
     rig.until(lambda: rig.ctx.published)
     first = {servo.id: servo for servo in rig.ctx.published[0][1].servos}
     assert (first[1].torque, first[2].torque, first[3].torque) == (0.0, None, 1.0)
     assert rig.ctx.published[0][1].phase == "holding"
-    rig.driver.close()
 
 
 def test_without_its_device_row_or_rows_of_joints_it_says_what_to_add(chain):
-    ctx = DriverContext(KIND, KIND.parse(SETTINGS), chain.path, "dynamixel")
+    ctx = Context(chain)
+    rows, ctx.given = ctx.given, ()
     with pytest.raises(DeviceError, match="table joint"):
         Dynamixel(ctx).open()
-    ctx.given, ctx.device = (joint(1),), None
+    ctx.given, ctx.device = rows, None
     with pytest.raises(DeviceError, match="no device row 'servos'"):
         Dynamixel(ctx).open()
 
 
 def test_an_emergency_stop_while_the_line_is_away_is_not_called_done(chain):
-    ctx = DriverContext(KIND, KIND.parse(SETTINGS), chain.path, "dynamixel")
-    ctx.given = (joint(1),)
+    ctx = Context(chain)
     driver = Dynamixel(ctx)
     driver.degraded("unplugged")
     assert ctx.estop.acknowledged == []
@@ -373,15 +409,15 @@ def test_an_emergency_stop_while_the_line_is_away_is_not_called_done(chain):
     assert (ctx.state.reason, ctx.state.armed, ctx.state.estop) == ("unplugged", False, True)
 
 
-def test_an_empty_bus_is_degraded_and_says_what_to_look_at(chain):
+def test_an_empty_bus_is_degraded_and_says_what_to_look_at(chain, start):
     chain.dead.update(chain.servos)
-    rig = Rig(chain)
-    rig.ahead_s += 2.0
+    rig = start()
+    rig.ctx.now += 2.0
     with pytest.raises(DeviceError, match="none of its 3 servos answers; is their power on"):
         rig.until(lambda: False)
     assert not rig.driver.answers()
     assert rig.ctx.health == []
-    rig.driver.close()
+    rig.close()
     rig.driver.degraded("away")
     assert rig.ctx.state.reason == "away"
 
@@ -391,31 +427,30 @@ def test_a_line_that_babbles_or_echoes_is_told_of_and_the_servos_are_read_all_th
     chain.answer = lambda _request, usual: bytes(range(64)) + usual if usual else None
     rig.until(rig.seen)
     assert [servo.raw for servo in rig.ctx.state.servos] == [513, 514, 515]
-    rig.ahead_s += 6.0
+    rig.ctx.now += 6.0
     rig.until(lambda: "babble" in rig.ctx.kinds())
     chain.answer = lambda _request, _usual: None
     rig.until(lambda: "echo" in rig.ctx.kinds())
 
 
 @pytest.mark.parametrize(("ending", "torque"), [("hold", True), ("release", False)])
-def test_closing_holds_or_lets_go_as_the_row_says(chain, ending, torque):
-    rig = Rig(chain, SETTINGS.replace("{", f'{{"on_close": "{ending}", ', 1))
+def test_closing_holds_or_lets_go_as_the_row_says(chain, start, ending, torque):
+    rig = start(SETTINGS.replace("{", f'{{"on_close": "{ending}", ', 1))
     rig.on()
     rig.stuck(530)
-    rig.driver.close()
-    until(lambda: all(bool(servo.torque) is torque for servo in chain.servos.values()))
-    until(lambda: not torque or all(servo.goal == 530 for servo in chain.servos.values()))
+    rig.close()
+    assert all(bool(servo.torque) is torque for servo in chain.servos.values())
+    assert not torque or all(servo.goal == 530 for servo in chain.servos.values())
 
 
-def test_an_adapter_reads_all_at_once(tmp_path):
-    chain = Chain(tmp_path / "ttyServos", 18, adapter=True)
-    rig = Rig(chain)
+def test_an_adapter_reads_all_at_once(monkeypatch):
+    chain = ServoChain(18, adapter=True)
+    rig = Rig(monkeypatch, chain)
     rig.until(lambda: rig.seen() and rig.ctx.state.bus.sync_read)
     assert {servo.id: servo.raw for servo in rig.ctx.state.servos} == {servo: 512 + servo for servo in chain.servos}
     chain.dead.add(9)
     rig.until(lambda: rig.servo(9).reason == "does not answer")
-    rig.driver.close()
-    chain.finish()
+    rig.close()
 
 
 @pytest.mark.parametrize(
@@ -454,20 +489,26 @@ while True:
 
 
 @pytest.fixture
-def driving(chain):
+def tty(tmp_path):
+    with Chain(tmp_path / "ttyServos") as tty:
+        yield tty
+
+
+@pytest.fixture
+def driving(tty):
     """Starts a driver in a process of its own, whose servos are on their way; it is waited for, also where a test fails."""
     started = []
 
     def start(hold_s):
         environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
-        process = programs.start([sys.executable, "-c", DRIVER, str(chain.path), str(hold_s)], env=environment)
+        process = programs.start([sys.executable, "-c", DRIVER, str(tty.path), str(hold_s)], env=environment)
         started.append(process)
-        until(lambda: all(servo.torque and servo.goal == 512 for servo in chain.servos.values()))
-        for servo in chain.servos.values():
+        until(lambda: all(servo.torque and servo.goal == 512 for servo in tty.servos.values()))
+        for servo in tty.servos.values():
             servo.stuck = 540
             servo.settle()
-        asked = len(chain.log)  # whoever is asked again has been read before
-        until(lambda: {request[2] for request in chain.log[asked:]} >= set(chain.servos))
+        asked = len(tty.log)  # whoever is asked again has been read before
+        until(lambda: {request[2] for request in tty.log[asked:]} >= set(tty.servos))
         return process
 
     yield start
@@ -476,74 +517,80 @@ def driving(chain):
         process.wait()
 
 
-def test_when_the_driver_hangs_its_guard_holds_the_servos_then_lets_them_go(chain, driving):
+def test_when_the_driver_hangs_its_guard_holds_the_servos_then_lets_them_go(tty, driving):
     process = driving(0.1)
-    chain.log.clear()
+    tty.log.clear()
     process.send_signal(signal.SIGSTOP)
-    until(lambda: not any(servo.torque for servo in chain.servos.values()))
+    until(lambda: not any(servo.torque for servo in tty.servos.values()))
     assert process.wait(HANG_S) == -signal.SIGKILL
-    assert [servo.goal for servo in chain.servos.values()] == [540, 540, 540]
-    held, faded, let_go = (
-        chain.log.index(chain.writes(address)[which]) for address, which in ((30, -1), (34, 0), (24, 0))
-    )
+    assert [servo.goal for servo in tty.servos.values()] == [540, 540, 540]
+    held, faded, let_go = (tty.log.index(tty.writes(address)[which]) for address, which in ((30, -1), (34, 0), (24, 0)))
     assert held < faded < let_go
-    limits = [int.from_bytes(request[8:10], "little") for request in chain.writes(34)]
+    limits = [int.from_bytes(request[8:10], "little") for request in tty.writes(34)]
     assert limits == sorted(limits, reverse=True)
     assert len(limits) > 2
 
 
-def test_a_guard_takes_no_answer_for_its_own_that_the_dead_driver_had_asked_for(chain):
-    servo, fd = chain.servos[1], os.open(chain.path, os.O_RDWR | os.O_NOCTTY)
+def test_a_guard_takes_no_answer_for_its_own_that_the_dead_driver_had_asked_for(tty):
+    servo, fd = tty.servos[1], os.open(tty.path, os.O_RDWR | os.O_NOCTTY)
     with Bus(ServoLine(fd, "of the servos", 1_000_000, margin_s=0.5)) as bus:
-        os.write(chain.master, status(1, bytes(servo.table[STATE_ADDRESS : STATE_ADDRESS + STATE_BYTES])))
+        os.write(tty.master, status(1, bytes(servo.table[STATE_ADDRESS : STATE_ADDRESS + STATE_BYTES])))
         servo.put(36, 600)
         servo.table[24] = 1
         assert RegisterRelease(bus, Ax12(), [1]).hold()
         until(lambda: servo.goal == 600)
 
 
-def test_a_guard_lets_servos_go_that_were_silent_when_the_driver_died(chain, driving):
+def test_a_guard_lets_servos_go_that_were_silent_when_the_driver_died(tty, driving):
     process = driving(3.0)  # a busy machine reads some servos late, and the guard gives up those it cannot read
     silent = {2, 3}
-    chain.answer = lambda request, _usual: b"" if request[2] in silent else None
+    tty.answer = lambda request, _usual: b"" if request[2] in silent else None
     process.kill()
-    until(lambda: chain.servos[1].goal == 540)
-    assert chain.servos[2].goal == 512
+    until(lambda: tty.servos[1].goal == 540)
+    assert tty.servos[2].goal == 512
     silent.remove(2)
-    until(lambda: chain.servos[2].goal == 540)
-    until(lambda: not any(servo.torque for servo in chain.servos.values()))
+    until(lambda: tty.servos[2].goal == 540)
+    until(lambda: not any(servo.torque for servo in tty.servos.values()))
     process.wait(HANG_S)
 
 
-def test_a_guard_lets_servos_go_of_which_none_was_heard_when_the_driver_died(chain, driving):
+def test_a_guard_lets_servos_go_of_which_none_was_heard_when_the_driver_died(tty, driving):
     process = driving(1.0)
-    chain.answer = lambda _request, _usual: b""
+    tty.answer = lambda _request, _usual: b""
     process.kill()
     process.wait(HANG_S)
-    chain.log.clear()
-    until(lambda: {request[2] for request in chain.log} >= {1, 2, 3})
-    chain.answer = lambda _request, _usual: None
-    until(lambda: not any(servo.torque for servo in chain.servos.values()))
-    assert all(servo.goal == 540 for servo in chain.servos.values())
+    tty.log.clear()
+    until(lambda: {request[2] for request in tty.log} >= {1, 2, 3})
+    tty.answer = lambda _request, _usual: None
+    until(lambda: not any(servo.torque for servo in tty.servos.values()))
+    assert all(servo.goal == 540 for servo in tty.servos.values())
 
 
-def test_a_new_driver_takes_the_line_from_the_guard_and_goes_on_holding(chain, driving):
+def test_a_new_driver_takes_the_line_from_the_guard_and_goes_on_holding(tty, driving):
     process = driving(60.0)
     process.kill()
     process.wait()
-    until(lambda: all(servo.goal == 540 for servo in chain.servos.values()))
-    made = []
+    until(lambda: all(servo.goal == 540 for servo in tty.servos.values()))
+    ctx = Context(tty, address=tty.path)
+    ctx.clock = time.monotonic
+    driver, opened = Dynamixel(ctx), []
 
-    def opened():
+    def opens():
         with suppress(DeviceError):  # the guard may just be looking whether somebody took the line
-            made.append(Rig(chain))
-        return made
+            driver.open()
+            opened.append(driver)
+        return opened
 
-    until(opened)
-    rig = made[0]
-    rig.until(lambda: rig.ctx.state.phase == "holding" and rig.seen())
-    rig.on(lease="b")
-    rig.driver.close()
+    def follows():
+        ctx.give(ServoSetpoint(goals=tuple(ServoGoal(id=servo) for servo in tty.servos), lease="b"), source="joints")
+        driver.step()
+        return ctx.state.phase == "following"
+
+    until(opens)
+    until(lambda: driver.step() or (ctx.published and ctx.state.phase == "holding"))
+    until(follows)
+    assert all(servo.torque for servo in tty.servos.values())
+    driver.close()
 
 
 def test_at_rest_lost_torque_a_push_and_a_latched_fault_are_told_as_ever(rig, chain):

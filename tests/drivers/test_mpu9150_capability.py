@@ -3,32 +3,11 @@ from math import radians
 
 import pytest
 
-from lbr.drivers.i2c_socket import SocketBus
-from lbr.drivers.mpu9150 import KIND, capability, controller
+from lbr.drivers.mpu9150.capability import Mpu9150
 from lbr.errors import DeviceError
-from tests.drivers.i2c_peer import COMPASS, MPU, Chips, Server
-from tests.drivers.peers import DriverContext
+from tests.drivers.i2c_peer import COMPASS, MPU, Chips, MemoryBus, Unit
 
 TICK_S = 0.01
-PATIENCE_S = 0.5
-"""Ten times the deadline of the product: the chip's end is a thread of this process, which a busy machine holds up."""
-
-
-class Bench(DriverContext):
-    """A context whose clock goes on by itself only as far as the driver sleeps."""
-
-    def __init__(self, settings, address):
-        super().__init__(KIND, settings, address, "mpu9150")
-
-    def clock(self):
-        return self.now
-
-    def sleep(self, seconds):
-        self.now += seconds
-
-    @property
-    def samples(self):
-        return [sample for _, sample in self.published]
 
 
 @pytest.fixture
@@ -37,28 +16,17 @@ def chips():
 
 
 @pytest.fixture
-def peer(tmp_path, chips):
-    server = Server(tmp_path / "imu", chips)
-    yield server
-    server.finish()
+def peer(chips):
+    return MemoryBus(chips)
 
 
 @pytest.fixture
-def make(tmp_path, peer, monkeypatch):
-    made = []
-
+def make(peer, monkeypatch):
     def make(**settings):
-        row = {"device": "imu", "gyro_range_dps": 250, "accel_range_g": 2, **settings}
-        ctx = Bench(KIND.settings(**row), f"unix:{tmp_path / 'imu'}")
-        monkeypatch.setattr(controller.InertialUnit.__init__, "__defaults__", (ctx.clock, ctx.sleep))
-        monkeypatch.setattr(SocketBus.__init__, "__defaults__", (None, PATIENCE_S))
-        imu = capability.Mpu9150(ctx)
-        made.append(imu)
-        return imu, ctx
+        ctx = Unit(monkeypatch, peer, **{"gyro_range_dps": 250, "accel_range_g": 2, **settings})
+        return Mpu9150(ctx), ctx
 
-    yield make
-    for imu in made:
-        imu.close()
+    return make
 
 
 def steps(imu, ctx, count=1):

@@ -106,11 +106,6 @@ def test_another_number_of_stops_is_a_stop():
     assert receive(state, setpoint(halt=0), 10.02, 10.02, VALID_S).halts == state.halts + 1
 
 
-def test_what_is_no_number_ends_the_motion():
-    state = receive(following(), setpoint(ServoGoal(id=1, position_rad=nan)), 10.01, 10.01, VALID_S)
-    assert not state.follows
-
-
 @pytest.mark.parametrize("wrong", [{"position_rad": nan}, {"speed_rps": inf}, {"torque": nan}])
 def test_one_number_of_one_goal_that_is_none_ends_the_motion_of_all(wrong):
     goals = (ServoGoal(id=1, position_rad=0.1), ServoGoal(**{"id": 2, "position_rad": 0.1} | wrong))

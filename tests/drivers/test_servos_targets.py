@@ -18,24 +18,6 @@ VALID_S = 0.1
 PLACE = {"error": 0, "position": 512, "speed": 0, "position_rad": 0.0, "load_fraction": 0.0}
 
 
-@pytest.mark.parametrize("late", [1, 3, 4])
-def test_a_servo_is_away_at_the_start_once_four_looks_got_no_answer(late):
-    bus, looks = Deaf(), []
-    bus.together, bus.trouble = False, "does not answer"
-    answer = bus.read_state
-
-    def read(servo, patience_s):
-        looks.append(servo)
-        return None if len(looks) <= late else answer(servo, patience_s)
-
-    bus.read_state = read
-    poller = Poller([1], lambda: 0.0)
-    while not poller.snapshot.searched:
-        poller.turn(bus)
-    assert len(looks) >= min(late + 1, 4)
-    assert poller.snapshot.servos[1].reason == ("does not answer" if late == 4 else "")
-
-
 class Line:
     """A bus's thread that keeps jobs until the test does them."""
 
@@ -99,12 +81,15 @@ class Bench:
         )
         self.gate = first(0.0)
 
+    def hear(self, *goals, after_s=0.0, **fields):
+        born = self.now + after_s
+        self.gate = receive(self.gate, ServoSetpoint(goals=goals, lease="a", **fields), born, born, VALID_S)
+
     def step(self, *, strength=1.0, follows=True, works=True):
         self.now += 0.01
         self.sweep += 1
         if follows:
-            goals = (ServoGoal(id=1, position_rad=0.0),)
-            self.gate = receive(self.gate, ServoSetpoint(goals=goals, lease="a"), self.now, self.now, VALID_S)
+            self.hear(ServoGoal(id=1, position_rad=0.0))
         self.gate = tick(self.gate, self.now, VALID_S)
         motion = SimpleNamespace(**PLACE)
         slow = SlowState(self.now - self.slow_age_s, self.bus.torque, 512, 100, 1000, 12.0, 30.0)
@@ -167,9 +152,7 @@ def test_a_servo_is_held_only_where_it_was_measured_just_now(age_s, places):
     bench.on()
     bench.bus.placed.clear()
     bench.age_s = age_s
-    bench.gate = receive(
-        bench.gate, ServoSetpoint(goals=(ServoGoal(id=1),), lease="a", halt=1), bench.now, bench.now, VALID_S
-    )
+    bench.hear(ServoGoal(id=1), halt=1)
     bench.step(follows=False)
     assert bench.bus.placed == places
 
@@ -197,13 +180,7 @@ def test_a_servo_that_gets_no_torque_is_asked_again_five_times_a_second():
 def test_a_goal_that_asks_for_less_torque_gets_it_at_once():
     bench = Bench()
     bench.on()
-    bench.gate = receive(
-        bench.gate,
-        ServoSetpoint(goals=(ServoGoal(id=1, position_rad=0.0, torque=0.3),), lease="a"),
-        bench.now + 0.01,
-        bench.now + 0.01,
-        VALID_S,
-    )
+    bench.hear(ServoGoal(id=1, position_rad=0.0, torque=0.3), after_s=0.01)
     bench.step(follows=False)
     assert bench.bus.limits == [300]
 
@@ -223,7 +200,7 @@ def test_torque_that_was_found_is_left_before_any_setpoint_came_and_taken_once_o
     for _ in range(200):
         bench.step(follows=False)
     assert (bench.bus.torque, bench.bus.goals, bench.bus.placed) == (True, [], [])
-    bench.gate = receive(bench.gate, ServoSetpoint(goals=(), lease="a"), bench.now + 0.01, bench.now + 0.01, VALID_S)
+    bench.hear(after_s=0.01)
     bench.step(follows=False)
     assert not bench.bus.torque
 
@@ -330,19 +307,16 @@ def test_a_lost_acknowledgement_takes_no_torque_if_the_servo_says_that_it_has_it
 class Deaf:
     """A bus that reads all servos at once, unless the machine is too busy."""
 
-    together = together_errors = True
-    cut_short = False
-    written_all = 0
-    trouble = ""
+    together_errors, cut_short, written_all = True, False, 0
+    motion = SimpleNamespace(**PLACE)
 
-    def __init__(self):
-        self.busy, self.asked = True, []
+    def __init__(self, *, busy=True, together=True):
+        self.busy, self.together, self.asked = busy, together, []
+        self.trouble = "" if together else "does not answer"
 
     def read_together(self, servos):
         self.asked.append("all")
         return None if self.busy else [self.motion] * len(servos)
-
-    motion = SimpleNamespace(**PLACE)
 
     def read_motion(self, _servo):
         self.asked.append("one")
@@ -352,127 +326,123 @@ class Deaf:
         return self.motion, SlowState(0.0, False, 512, 100, 1000, 12.0, 30.0)
 
 
+class Polled:
+    """A poller of a bus, on a clock of the test."""
+
+    def __init__(self, bus, servos=(1, 2), *more, **named):
+        self.now, self.bus = 0.0, bus
+        self.poller = Poller(servos, lambda: self.now, *more, **named)
+
+    @property
+    def snapshot(self):
+        return self.poller.snapshot
+
+    def sweep(self, times=1, *, each_s=0.01):
+        for _ in range(times):
+            swept = self.snapshot.sweep
+            while self.snapshot.sweep == swept:
+                self.poller.turn(self.bus)
+            self.now += each_s
+
+
+@pytest.mark.parametrize("late", [1, 3, 4])
+def test_a_servo_is_away_at_the_start_once_four_looks_got_no_answer(late):
+    bus, looks = Deaf(together=False), []
+    answer = bus.read_state
+
+    def read(servo, patience_s):
+        looks.append(servo)
+        return None if len(looks) <= late else answer(servo, patience_s)
+
+    bus.read_state = read
+    polled = Polled(bus, [1])
+    while not polled.snapshot.searched:
+        polled.poller.turn(bus)
+    assert len(looks) >= min(late + 1, 4)
+    assert polled.snapshot.servos[1].reason == ("does not answer" if late == 4 else "")
+
+
 def test_reading_all_at_once_is_tried_again_after_a_busy_time():
-    bus, now = Deaf(), [0.0]
-    poller = Poller([1, 2], lambda: now[0])
-
-    def sweep():
-        swept = poller.snapshot.sweep
-        while poller.snapshot.sweep == swept:
-            poller.turn(bus)
-        now[0] += 0.01
-
-    for _ in range(SYNC_READ_FAILURES + 2):
-        sweep()
+    polled = Polled(bus := Deaf())
+    polled.sweep(SYNC_READ_FAILURES + 2)
     bus.asked.clear()
-    sweep()
-    sweep()
+    polled.sweep(2)
     assert set(bus.asked) == {"one"}
-    assert not poller.snapshot.together
+    assert not polled.snapshot.together
     bus.busy = False
-    now[0] += SINGLY_FIRST_S
-    sweep()
+    polled.now += SINGLY_FIRST_S
+    polled.sweep()
     bus.asked.clear()
-    sweep()
+    polled.sweep()
     assert set(bus.asked) == {"all"}
-    assert poller.snapshot.together
+    assert polled.snapshot.together
 
 
 def test_lost_answers_with_good_ones_between_do_not_end_reading_all_at_once():
-    bus, now = Deaf(), [0.0]
-    poller = Poller([1, 2], lambda: now[0])
-    for busy in (False, False, *(True, False) * (SYNC_READ_FAILURES + 1)):
-        bus.busy, swept = busy, poller.snapshot.sweep
-        while poller.snapshot.sweep == swept:
-            poller.turn(bus)
-        now[0] += 0.01
-    assert poller.snapshot.together
+    polled = Polled(bus := Deaf())
+    for bus.busy in (False, False, *(True, False) * (SYNC_READ_FAILURES + 1)):
+        polled.sweep()
+    assert polled.snapshot.together
 
 
 def test_a_sweep_begins_right_after_goals_were_written_and_the_next_waits_a_little_longer_for_them():
-    bus, now = Deaf(), [0.0]
-    bus.busy = False
-    poller = Poller([1, 2], lambda: now[0], 0.01)
+    polled = Polled(bus := Deaf(busy=False), (1, 2), 0.01)
 
-    def sweep():
-        while (rest_s := poller.turn(bus)) == 0.0:
+    def rest_after_a_sweep():
+        while (rest_s := polled.poller.turn(bus)) == 0.0:
             pass
         return rest_s
 
-    assert sweep() == pytest.approx(0.01)
-    now[0] += 0.004
+    assert rest_after_a_sweep() == pytest.approx(0.01)
+    polled.now += 0.004
     bus.written_all += 1
-    swept = poller.snapshot.sweep
-    assert poller.turn(bus) == pytest.approx(0.006), "too early"
-    now[0] += 0.002
-    assert sweep() == pytest.approx(0.011)
-    assert poller.snapshot.sweep == swept + 1
-    now[0] += 0.011
-    assert sweep() == pytest.approx(0.01)
+    swept = polled.snapshot.sweep
+    assert polled.poller.turn(bus) == pytest.approx(0.006), "too early"
+    polled.now += 0.002
+    assert rest_after_a_sweep() == pytest.approx(0.011)
+    assert polled.snapshot.sweep == swept + 1
+    polled.now += 0.011
+    assert rest_after_a_sweep() == pytest.approx(0.01)
 
 
 def test_a_servo_that_reports_another_error_is_looked_at_next():
-    bus, now = Deaf(), [0.0]
-    bus.busy = False
-    poller, read = Poller([1, 2, 3], lambda: now[0]), []
-    bus.read_state = lambda servo, _s: (
-        read.append(servo) or (bus.motion, SlowState(0.0, False, 512, 100, 1000, 12.0, 30.0))
-    )
-
-    def sweep():
-        swept = poller.snapshot.sweep
-        while poller.snapshot.sweep == swept:
-            poller.turn(bus)
-        now[0] += 0.01
-
-    for _ in range(6):
-        sweep()
+    polled, read = Polled(bus := Deaf(busy=False), (1, 2, 3)), []
+    answer = bus.read_state
+    bus.read_state = lambda servo, patience_s: read.append(servo) or answer(servo, patience_s)
+    polled.sweep(6)
     read.clear()
-    sweep()
+    polled.sweep()
     assert len(read) == 1, "one a sweep"
     read.clear()
     bus.motion = SimpleNamespace(**{**PLACE, "error": 0x20})
-    sweep()
-    sweep()
+    polled.sweep(2)
     assert set(read) == {1, 2, 3}
 
 
 def test_a_servo_that_falls_silent_and_comes_back_is_told_once_each_and_is_looked_for_ever_more_seldom():
-    bus, now, told, asked, silent = Deaf(), [0.0], [], [], {2}
-    bus.together, bus.trouble = False, "does not answer"
+    bus, told, asked, silent = Deaf(together=False), [], [], set()
+    polled = Polled(bus, (1, 2), tell=lambda kind, *_: told.append(kind))
+    answer = bus.read_state
 
     def read(servo, *_):
-        asked.append((servo, now[0]))
+        asked.append((servo, polled.now))
         return None if servo in silent else bus.motion
 
     bus.read_motion = read
-    bus.read_state = lambda servo, *_: (
-        (found := read(servo)) and (found, SlowState(0.0, False, 512, 100, 1000, 12.0, 30.0))
-    )
-    poller = Poller([1, 2], lambda: now[0], tell=lambda kind, *_: told.append(kind))
-
-    def run(seconds):
-        until_s = now[0] + seconds
-        while now[0] < until_s:
-            swept = poller.snapshot.sweep
-            while poller.snapshot.sweep == swept:
-                poller.turn(bus)
-            now[0] += 0.01
-
-    silent.clear()
-    run(1.0)
+    bus.read_state = lambda servo, patience_s: read(servo) and answer(servo, patience_s)
+    polled.sweep(100)
     silent.add(2)
-    run(20.0)
+    polled.sweep(2000)
     assert told == ["servo_silent"]
-    assert poller.snapshot.servos[2].reason == "does not answer"
+    assert polled.snapshot.servos[2].reason == "does not answer"
     times = [at for servo, at in asked if servo == 2 and at > 1.1]
     gaps = [after - before for before, after in pairwise(times)]
     assert 1.9 < max(gaps) < 2.1
     assert len(times) < 25
     silent.clear()
-    run(3.0)
+    polled.sweep(300)
     assert told == ["servo_silent", "servo_back"]
-    assert not poller.snapshot.servos[2].reason
+    assert not polled.snapshot.servos[2].reason
 
 
 def test_before_the_first_round_nothing_was_read_at_any_rate():
@@ -481,11 +451,6 @@ def test_before_the_first_round_nothing_was_read_at_any_rate():
 
 
 def test_what_never_answers_is_asked_less_and_less():
-    bus, now = Deaf(), [0.0]
-    poller = Poller([1, 2], lambda: now[0])
-    while now[0] < 60.0:
-        swept = poller.snapshot.sweep
-        while poller.snapshot.sweep == swept:
-            poller.turn(bus)
-        now[0] += 0.05
+    polled = Polled(bus := Deaf())
+    polled.sweep(1200, each_s=0.05)
     assert bus.asked.count("all") < 0.02 * bus.asked.count("one")

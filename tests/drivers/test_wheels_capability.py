@@ -636,6 +636,22 @@ def test_a_zero_for_left_and_right_is_one_for_all_motors_and_a_power_is_none():
     assert "'front_left'" in bench.ctx.said("state")[-1].reason
 
 
+@pytest.mark.parametrize(("powers", "missing"), [((0.1, 0.1, 0.1), "rear_right"), ((), "front_left")])
+def test_a_setpoint_that_does_not_name_every_motor_stops_all(powers, missing):
+    bench = QuadBench()
+    for each in (0.0, 0.0, 0.5):
+        bench.give(*[each] * 4)
+    assert bench.line.written[-1] == b"P 500 500 500 500\r"
+    setpoint = MotorSetpoint(left=0.1, right=0.1, lease="L1", motors=dict(zip(FOUR, powers, strict=False)))
+    bench.ctx.arrive("setpoint", setpoint, source="drive")
+    bench.motors.step()
+    assert bench.line.written[-1] == STOP_FOUR
+    assert f"gives motor '{missing}' no power" in bench.ctx.said("state")[-1].reason
+    bench.ctx.now += STEP_S
+    bench.give(0.5, 0.5, 0.5, 0.5)
+    assert bench.line.written[-1] == STOP_FOUR
+
+
 def test_a_controller_that_measures_of_fewer_motors_than_it_drives_is_a_drivers_defect():
     with pytest.raises(ValueError, match="shorter"):
         QuadBench(counts="0 1 2")
