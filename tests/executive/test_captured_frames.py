@@ -46,11 +46,6 @@ def of_motions(robot: Robot, kind: str) -> list[str]:
     return [event["text"] for event in robot.events() if (event["kind"], event["subject"]) == (kind, "motions")]
 
 
-def newest(home: Path) -> int:
-    ((revision,),) = databases.asked(home / "robot.db", "SELECT max(id) FROM revision")
-    return int(revision)
-
-
 def rows(home: Path, motion: str) -> list[tuple[int, float, dict[str, float]]]:
     steps = "SELECT step, duration_s, positions FROM motion_step WHERE motion = ? ORDER BY step"
     found = databases.asked(home / "robot.db", steps, motion)
@@ -69,7 +64,7 @@ def test_what_was_captured_is_played_without_a_restart_and_after_one(place):
         assert set(kept[0][2].values()) == {0.25}
         assert len(kept[0][2]) == 18
         until(lambda: of_motions(robot, "captured"), what="people are told")
-        until(lambda: robot.status()["revision"] == newest(place), what="the rows were read again")
+        until(lambda: robot.status()["revision"] == databases.newest(place), what="the rows were read again")
         assert robot.capability("motions")["pid"] == pid
         assert robot.ask("motions/stop")["accepted"]
         capture(robot, "nod")

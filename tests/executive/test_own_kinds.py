@@ -13,7 +13,7 @@ import pytest
 
 from tests.support import commands, databases
 from tests.support.commands import here
-from tests.support.robot import lbr, running
+from tests.support.robot import lbr
 from tests.support.waiting import until
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
@@ -25,13 +25,6 @@ class Greeter(Capability):
 KIND = Kind(name="greeter", summary="", family="app", entry=Greeter)
 """
 ROW = "INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'greeter', 'greeter')"
-
-
-@pytest.fixture(scope="module")
-def robot(shared_home):
-    (shared_home / "capabilities").mkdir(mode=0o700)
-    with running(shared_home) as started:
-        yield started
 
 
 @pytest.fixture
@@ -188,8 +181,7 @@ def test_a_kind_brings_its_table_reads_it_and_writes_back_what_it_learns(robot, 
     until(lambda: said(robot) == {"ann": 1, "bob": 0}, what="what it learnt is written")
     assert greet(robot, "ann") == "Good day, Ann."
     until(lambda: said(robot) == {"ann": 2, "bob": 0}, what="a row that it had is changed")
-    ((newest,),) = databases.asked(robot.home / "robot.db", "SELECT max(id) FROM revision")
-    until(lambda: robot.status()["revision"] == newest, what="the rows were read again")
+    until(lambda: robot.status()["revision"] == databases.newest(robot.home), what="the rows were read again")
     assert robot.capability("greetings")["pid"] == pid
     sql(robot, "PRAGMA ignore_check_constraints = ON; UPDATE greeting SET text = '' WHERE name = 'bob'")
     why = "greeting 'lbr/bob', text: is empty"

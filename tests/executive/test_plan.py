@@ -73,6 +73,19 @@ def test_a_profile_may_have_capabilities_share_other_processes_than_their_rows(r
     assert "'web'" in text
 
 
+@pytest.mark.parametrize(
+    ("name", "process", "said"),
+    [
+        ("drive", "operations", "they may not share the process 'operations'"),
+        ("web", "base", "capability 'lbr/web', process: "),
+        ("world", "sensors", "has a process of its own: it is the world"),
+        ("web", "motors", "'motors' is a capability; choose another name"),
+    ],
+)
+def test_who_may_not_share_a_process_is_told_so(rows, name, process, said):
+    assert said in "\n".join(problems(edited(rows, "capabilities", name, process=process)))
+
+
 def kept_by_attitude(rows, profile):
     found = planned(rows, profile).units["attitude"].config.rows[CalibrationValue.TABLE].rows
     return values(msgspec.json.decode(found, type=list[CalibrationValue]))

@@ -30,16 +30,14 @@ def field(status: str, name: str) -> str:
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [
-        ("gone", None, "there is no such program"),
-        ("strange", "#!/no/such/shell\n", "its first line"),
+        ("strange", "#!/no/such/shell\n", "there is no such program, or what its first line names"),
         ("bare", "echo I have no first line\n", "'chmod +x' it"),
     ],
 )
 def test_a_program_that_does_not_start_is_reported_with_what_is_wrong(robot, tmp_path, name, text, said):
     program = tmp_path / name
-    if text is not None:
-        program.write_text(text)
-        program.chmod(0o755)
+    program.write_text(text)
+    program.chmod(0o755)
     robot.edit(
         "INSERT INTO capability (robot, name, kind, settings, restart) VALUES ('lbr', ?, 'exec', ?, 'never')",
         name,
@@ -103,14 +101,13 @@ def test_only_drivers_and_the_emulated_hardware_hold_devices_and_only_the_execut
     assert holders(robot, str(robot.home / "robot.db")) == {robot.popen.pid}
 
 
-def test_a_program_learns_its_wiring_restarts_and_dies_with_the_executive(robot):
-    """The last one here: it ends the robot."""
+def test_a_program_learns_its_wiring_and_restarts(robot):
     settings = json.dumps({"argv": [sys.executable, "-c", SHELL], "inputs": ["ranges"], "outputs": ["noise"]})
     robot.edit("INSERT INTO capability (robot, name, kind, settings) VALUES ('lbr', 'beep', 'exec', ?)", settings)
     robot.edit("INSERT INTO channel (robot, source, target) VALUES ('lbr', 'ranges.readings', 'beep.ranges')")
     log = robot.home / "logs" / "lbr-beep.log"
     until(lambda: log.exists() and "ranges/readings" in log.read_text())
-    wiring = json.loads(next(line for line in log.read_text().splitlines() if line.startswith("{")))
+    wiring = json.loads(next(line for line in log.read_text().splitlines() if "ranges/readings" in line))
     assert wiring["LBR_ROBOT"] == "lbr"
     assert Path(wiring["LBR_CONFIG"]).stat().st_mode & 0o777 == 0o600
     assert json.loads(wiring["LBR_INPUTS"]) == {"ranges": ["lbr/ranges/readings"]}
@@ -122,6 +119,4 @@ def test_a_program_learns_its_wiring_restarts_and_dies_with_the_executive(robot)
     until(lambda: time.monotonic() - looked > 1.0)
     assert sum(executive.cpu_times()[:2]) - used < 0.5, "the executive spins beside a program"
     os.kill(pid, signal.SIGKILL)
-    second = until(lambda: (now := robot.capability("beep")["pid"]) not in {None, pid} and now)
-    robot.popen.kill()
-    until(lambda: not psutil.pid_exists(second) or psutil.Process(second).status() == psutil.STATUS_ZOMBIE)
+    until(lambda: robot.capability("beep")["pid"] not in {None, pid})

@@ -10,6 +10,7 @@ from lbr.executive.processes.restart import ATTEMPTS, MOST_S, WINDOW_S, End, dec
     [
         ("never", End.CLEAN, "stopped"),
         ("never", End.CRASHED, "failed"),
+        ("never", End.TAKEN, "restart"),
         ("on-failure", End.CLEAN, "stopped"),
         ("on-failure", End.CRASHED, "restart"),
         ("on-failure", End.HUNG, "restart"),

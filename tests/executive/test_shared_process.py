@@ -3,16 +3,15 @@
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from lbr.database import store
-from tests.support import needs
+from tests.support import databases, needs
 from tests.support.commands import here
-from tests.support.robot import Robot, running
+from tests.support.robot import Robot
 from tests.support.waiting import STOPS_S, until
 
 KIND = """
@@ -103,31 +102,22 @@ MATES = ("ann", "bob", "cyd")
 ROWS = "INSERT INTO capability (robot, name, kind, process) VALUES ('lbr', 'ann', 'mate', 'crew'), ('lbr', 'bob', 'mate', 'crew'), ('lbr', 'cyd', 'mate', 'crew')"
 
 
-@pytest.fixture(scope="module")
-def robot(shared_home: Path) -> Iterator[Robot]:
-    (shared_home / "capabilities").mkdir(mode=0o700)
-    (shared_home / "capabilities" / "mate.py").write_text(KIND)
-    (shared_home / "capabilities" / "stillborn.py").write_text(STILLBORN)
-    (shared_home / "capabilities" / "toucher.py").write_text(TOUCHER)
-    with running(shared_home) as started:
-        started.edit(ROWS)
-        started.edit("INSERT INTO channel (robot, source, target) VALUES ('lbr', 'ann.count', 'bob.others')")
-        yield started
+@pytest.fixture(autouse=True, scope="module")
+def crew(robot: Robot) -> None:
+    for name, source in (("mate", KIND), ("stillborn", STILLBORN), ("toucher", TOUCHER)):
+        (robot.home / "capabilities" / f"{name}.py").write_text(source)
+    robot.edit(ROWS)
+    robot.edit("INSERT INTO channel (robot, source, target) VALUES ('lbr', 'ann.count', 'bob.others')")
 
 
 @pytest.fixture(autouse=True)
 def all_well(robot: Robot) -> None:
     """Each test begins with three that are ready by the rows of now, and no past: who has ended too often is given up."""
-    until(lambda: robot.status()["revision"] == newest_revision(robot.home) and len(mates(robot)) == 3)
+    until(lambda: robot.status()["revision"] == databases.newest(robot.home) and len(mates(robot)) == 3)
     for name in [one["name"] for one in mates(robot) if one["last_end"]]:
         until(lambda: all(one["phase"] in {"ready", "failed"} for one in mates(robot)), what="an end of the last start")
         robot.line(f"/restart/{name}")
     until(lambda: all(one["phase"] == "ready" and not one["last_end"] for one in mates(robot)))
-
-
-def newest_revision(home: Path) -> int:
-    with store.Database.open(home / "robot.db") as database:
-        return database.revision()
 
 
 def mates(robot: Robot) -> list[dict[str, Any]]:
@@ -209,8 +199,10 @@ def test_a_restart_of_one_is_a_restart_of_one(robot: Robot) -> None:
 )
 def test_who_fails_takes_the_others_along_and_is_named(robot: Robot, what: str, told: str) -> None:
     before = pids(robot)["bob"]
+    base = {name: robot.capability(name)["pid"] for name in ("drive", "motors")}
     do(robot, "bob", what)
     until(in_a_new_process(robot, before))
+    assert {name: robot.capability(name)["pid"] for name in base} == base
     ends = {one["name"]: one["last_end"] for one in mates(robot)}
     if what != "hold the interpreter":  # then none of them is heard, and whichever is looked at first is told
         assert told in ends["bob"]
@@ -225,15 +217,6 @@ def test_who_cannot_even_close_keeps_nobody_from_ending_in_order(robot: Robot) -
     do(robot, "bob", "raise twice")
     until(in_a_new_process(robot, before))
     assert {path.name for path in robot.home.glob("* closed")} == {"ann closed", "cyd closed"}
-
-
-def test_who_was_taken_along_comes_back_whatever_its_row_says_of_its_own_ends(robot: Robot) -> None:
-    robot.edit("UPDATE capability SET restart = 'never' WHERE name = 'ann'")
-    until(lambda: [one["phase"] for one in mates(robot)] == ["ready"] * 3)
-    before = pids(robot)["bob"]
-    do(robot, "bob", "raise")
-    until(in_a_new_process(robot, before))
-    robot.edit("UPDATE capability SET restart = 'on-failure' WHERE name = 'ann'")
 
 
 def test_who_does_not_even_begin_fails_alone(robot: Robot) -> None:
@@ -286,14 +269,6 @@ def test_a_frozen_process_that_more_are_to_join_holds_up_nobody_and_goes_on(robo
     until(lambda: set(pids(robot)) == set(MATES))
 
 
-def test_the_base_drives_on_while_they_fail(robot: Robot) -> None:
-    base = {name: robot.capability(name)["pid"] for name in ("drive", "motors")}
-    before = pids(robot)["ann"]
-    do(robot, "ann", "raise")
-    until(in_a_new_process(robot, before))
-    assert {name: robot.capability(name)["pid"] for name in ("drive", "motors")} == base
-
-
 def test_the_table_of_what_runs_and_the_logs_name_the_process(robot: Robot) -> None:
     assert f"{pids(robot)['ann']} crew" in here(robot.home, "status").stdout
     of_before = robot.home / "logs" / "lbr-bob.log"
@@ -304,33 +279,6 @@ def test_the_table_of_what_runs_and_the_logs_name_the_process(robot: Robot) -> N
     until(lambda: "out of cheese" in here(robot.home, "logs", "bob").stdout)
     assert here(robot.home, "logs", "lbr/bob").stdout == "alone then\n"
     of_before.unlink()
-
-
-@pytest.mark.parametrize(
-    ("edit", "says"),
-    [
-        ("UPDATE capability SET process = 'crew' WHERE name = 'drive'", "may not share the process 'crew'"),
-        (
-            "UPDATE capability SET process = 'base' WHERE name = 'ann'",
-            "capability 'lbr/ann', process: ",
-        ),
-        ("UPDATE capability SET process = 'crew' WHERE name = 'world'", "has a process of its own: it is the world"),
-        (
-            "UPDATE capability SET process = 'motors' WHERE kind = 'mate'",
-            "'motors' is a capability; choose another name",
-        ),
-    ],
-)
-def test_who_may_not_share_is_told_so_and_nothing_changes(robot: Robot, edit: str, says: str) -> None:
-    before = {one["name"]: one["pid"] for one in units(robot)}
-    robot.edit(edit)
-    until(lambda: any(says in problem for problem in robot.status()["problems"]))
-    assert {one["name"]: one["pid"] for one in units(robot)} == before
-    processes = "CASE WHEN kind = 'mate' THEN 'crew' WHEN name IN ('drive', 'motors') THEN 'base' ELSE '' END"
-    robot.edit(
-        f"UPDATE capability SET process = {processes} WHERE robot = 'lbr' AND name IN ('drive', 'world') OR kind = 'mate'"
-    )
-    until(lambda: not robot.status()["problems"])
 
 
 @needs.root("opens the files of others")
@@ -357,11 +305,3 @@ def test_a_device_of_another_users_that_comes_later_is_reached_in_a_new_process(
     robot.edit("DELETE FROM capability WHERE kind = 'toucher'")
     robot.edit("DELETE FROM device WHERE type = 'thing'")
     until(lambda: all(one["kind"] != "toucher" for one in units(robot)))
-
-
-def test_nothing_of_them_outlives_the_executive(robot: Robot) -> None:
-    """The last one here: it ends the robot, while their process is frozen."""
-    one = pids(robot)["ann"]
-    os.kill(one, signal.SIGSTOP)
-    os.kill(robot.ready["pid"], signal.SIGKILL)
-    until(lambda: not Path(f"/proc/{one}").exists())

@@ -309,6 +309,16 @@ def test_an_edit_touches_only_what_it_names():
     assert set(stage.supervisor.parts) == {"a", "b", "d"}
 
 
+def test_who_was_taken_along_by_a_neighbour_comes_back_whatever_its_row_says_of_its_own_ends():
+    stage = Stage(unit("ann", restart="never"))
+    for _ in range(9):
+        stage.processes["ann"].said.append(Report(phase="taken_along", reason="its process ended with 'bob'"))
+        stage.dies("ann", 70)
+        stage.passes(0.2)
+        stage.says("ann")
+    assert (stage.phase("ann"), stage.starts("ann")) == ("ready", 10)
+
+
 def test_the_new_process_waits_until_the_old_one_has_let_go_of_its_device():
     stage = Stage(unit("motors"))
     stage.says("motors")

@@ -47,6 +47,12 @@ def asked(path: Path, statement: str, *values: object) -> list[tuple[Any, ...]]:
         return client.execute(statement, values).fetchall()
 
 
+def newest(home: Path) -> int:
+    """Return the number of the last change of a home's rows."""
+    ((number,),) = asked(home / "robot.db", "SELECT coalesce(max(id), 0) FROM revision")
+    return int(number)
+
+
 def token(name: str, role: TokenRole, kept: str, expires_at: str | None = None, **more: Any) -> TokenRow:
     """The row of a token whose hash is `kept`."""
     return TokenRow(
