@@ -75,7 +75,6 @@ def test_what_cannot_be_done_is_one_line_and_an_exit_code(here, arguments, code,
     [
         (["status"], 1, "no robot runs here"),
         (["run", "nothing", "--no-console"], 2, "profile 'nothing'"),
-        (["run", "--no-console", "--db", "/nowhere/at/all.db"], 2, "/nowhere/at/all.db"),
     ],
 )
 def test_a_program_says_so_and_ends_with_that_code(lbr, arguments, code, said):
@@ -123,21 +122,17 @@ def test_a_group_without_a_command_prints_its_help(here, command):
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_rows_are_made_checked_and_compared(lbr):
-    assert lbr("db", "init").returncode == 0
-    assert lbr("db", "check").stdout == "bioloid: good\nlbr: good\nuxa90: good\n"
-    assert lbr("db", "diff").stdout == "the rows are as shipped\n"
-
-
-def test_rows_that_are_there_are_kept_and_drawn(here):
+def test_rows_are_made_once_checked_compared_and_drawn(here):
     assert here("db", "init").returncode == 0
     assert here("db", "init").returncode == 2
+    assert here("db", "check").stdout == "bioloid: good\nlbr: good\nuxa90: good\n"
+    assert here("db", "diff").stdout == "the rows are as shipped\n"
     graph = json.loads(here("graph", "--robot", "lbr", "--json").stdout)
     assert {"source": "drive.setpoint", "target": "motors.setpoint", "enabled": True, "rate_hz": None} in graph["edges"]
 
 
-def test_the_doctor_runs_without_a_robot(lbr):
-    findings = json.loads(lbr("doctor", "--json").stdout)
+def test_the_doctor_runs_without_a_robot(here):
+    findings = json.loads(here("doctor", "--json").stdout)
     assert {"python", "home", "bus", "database"} <= {finding["about"] for finding in findings}
 
 

@@ -85,7 +85,6 @@ def test_what_prints_nothing_needs_no_output():
 @pytest.mark.parametrize(
     ("line", "code"),
     [
-        ("lbr --version 2>&-", 0),
         ("lbr status 2>&-", 1),
         ("lbr status --robot 2>&-", 2),
         ("lbr db init >/dev/null <&- 2>&-", 0),

@@ -194,6 +194,7 @@ def test_what_is_sent_into_a_full_pipe_is_not_held(robot, trace):
 def test_who_prints_into_a_pipe_that_is_read_no_more_can_be_interrupted(robot):
     reader, writer = os.pipe()
     fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, 4096)
+    os.write(writer, b"x" * 2500)
     popen = programs.start([*LBR, "topic", "echo", "drive/state"], env=environment(robot.home), stdout=writer)
     os.close(writer)
     try:

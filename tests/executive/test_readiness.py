@@ -130,8 +130,3 @@ def line_of(popen: "subprocess.Popen[str]", limit_s: float = 9.0) -> dict:
     readable, _, _ = select.select([popen.stdout], [], [], limit_s)
     assert readable, "no line"
     return json.loads(popen.stdout.readline())
-
-
-def test_a_robot_that_says_it_is_ready_turns_when_it_is_asked_to_at_once(tmp_path: Path) -> None:
-    with running(prepare(tmp_path, "imu", "attitude", "odometry")) as robot:
-        assert robot.line("/t/30")["code"] == 0

@@ -12,10 +12,12 @@ from typing import Any
 import pytest
 
 from lbr.testing.robot import NoAnswerError
-from tests.scenarios.first_command import FIRST, asked_at_ready
+from tests.scenarios.first_command import FIRST, Ask, asked_at_ready
 from tests.support.robot import Robot, prepare, running
 from tests.support.waiting import until
 
+ASKED: dict[str, Ask] = {name: asks[-1 if name == "lbr" else 0] for name, asks in FIRST.items()}
+"""A turn needs every sensor of the lbr; a UXA-90's motors are those that a program asks for first."""
 MOTIONS = {
     "lbr": ("stop", "/r/0.3/0"),
     "bioloid": ("/torque/on", "/play/wave"),
@@ -26,7 +28,7 @@ MOTIONS = {
 @pytest.fixture(scope="module", params=MOTIONS)
 def asked(request: pytest.FixtureRequest) -> Iterator[tuple[Robot, str]]:
     """A robot, and why it refused what it was asked at its ready line."""
-    with asked_at_ready(request.param, FIRST[request.param][0]) as (robot, why, _):
+    with asked_at_ready(request.param, ASKED[request.param]) as (robot, why, _):
         yield robot, why
 
 

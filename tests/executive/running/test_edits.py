@@ -1,7 +1,6 @@
 """A capability that rows wire to `executive.edit` changes rows of the running robot; nobody else does."""
 
 import sqlite3
-import tempfile
 from pathlib import Path
 
 import msgspec
@@ -16,13 +15,12 @@ from lbr.messages.faces import Motor
 from lbr.messages.rows import by_table
 from tests.support import databases
 from tests.support.planning import planned, problems, shipped
-from tests.support.robot import Robot, prepare, running
+from tests.support.robot import Robot
 from tests.support.waiting import until
 
 MOTOR = {"layer": "mine", "id": 3, "name": "neck", "initial": 1, "lowest": 0, "highest": 9, "rest": 1}
 NOD = {"motion": "nod", "step": 1, "positions": {"neck": 0.5}, "duration_s": 1.0}
 EDITS = (
-    "UPDATE capability SET enabled = 0 WHERE robot = 'lbr'",
     "INSERT INTO joint (robot, name, device_id, lower_rad, upper_rad, speed_rps) VALUES ('lbr', 'neck', 3, -1, 1, 1)",
     "INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'face', 'editor'), ('lbr', 'other', 'onlooker')",
     "INSERT INTO channel (robot, source, target) VALUES ('lbr', 'face.edit', 'executive.edit')",
@@ -30,21 +28,20 @@ EDITS = (
 
 
 @pytest.fixture(scope="module")
-def robot():
-    with tempfile.TemporaryDirectory(prefix="lbr-") as folder:
-        home = prepare(Path(folder) / "h", edits=EDITS)
-        (home / "capabilities").mkdir(mode=0o700)
-        source = Path(__file__).with_name("editor.py").read_text()
-        (home / "capabilities" / "editor.py").write_text(source)
-        (home / "capabilities" / "onlooker.py").write_text(source + "\nKIND = ONLOOKER\n")
-        with running(home) as started:
-            yield started
+def two(robot):
+    """A capability that edits rows, and another that has some of them."""
+    source = Path(__file__).with_name("editor.py").read_text()
+    (robot.home / "capabilities" / "editor.py").write_text(source)
+    (robot.home / "capabilities" / "onlooker.py").write_text(source + "\nKIND = ONLOOKER\n")
+    databases.edit(robot.home / "robot.db", f"BEGIN; {'; '.join(EDITS)}; COMMIT")
+    until(lambda: {robot.capability(name)["phase"] for name in ("face", "other")} == {"ready"})
 
 
 def write(robot: Robot, rows: dict, **edit):
     return robot.ask("face/write", {"rows": rows, **edit}, timeout_s=8.0)
 
 
+@pytest.mark.usefixtures("two")
 def test_an_edit_is_written_and_only_others_restart_for_it(robot):
     face, other = robot.capability("face")["pid"], robot.capability("other")["pid"]
     reply = write(robot, {"motor": [MOTOR], "motion": [{"name": "nod"}], "motion_step": [NOD]}, create=True, by="phone")
@@ -63,6 +60,7 @@ def test_an_edit_is_written_and_only_others_restart_for_it(robot):
     assert who == "face"
 
 
+@pytest.mark.usefixtures("two")
 def test_a_refusal_is_a_sentence_with_the_newest_revision_and_nothing_changes(robot):
     before = robot.status()["revision"]
     far = {"motion": [{"name": "far"}], "motion_step": [{**NOD, "motion": "far", "positions": {"neck": 5.0}}]}
@@ -78,12 +76,14 @@ def test_a_refusal_is_a_sentence_with_the_newest_revision_and_nothing_changes(ro
     assert robot.status()["revision"] == before
 
 
+@pytest.mark.usefixtures("two")
 def test_whoever_is_not_wired_is_not_heard(robot):
     assert robot.ask("@edit", {"rows": {"motor": [MOTOR]}}, source="face", timeout_s=0.3) is None
     answer = until(lambda: robot.ask("other/write", {"rows": {"motor": [MOTOR]}}), what="it has restarted")
     assert answer["reason"] == "not wired"
 
 
+@pytest.mark.usefixtures("two")
 def test_a_database_that_is_locked_holds_up_the_edit_and_nothing_else(robot):
     with sqlite3.connect(robot.home / "robot.db", isolation_level=None) as other:
         other.execute("BEGIN IMMEDIATE")

@@ -16,7 +16,7 @@ from tests.support.commands import here
 from tests.support.robot import lbr
 from tests.support.waiting import until
 
-EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
+EXAMPLES = Path(__file__).parents[3] / "docs" / "examples"
 GOOD = """
 from msgspec import Struct
 from lbr.capability import Capability, Kind
