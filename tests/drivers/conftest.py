@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from tests.drivers.peers import Board, ScriptedRoboteq
-from tests.drivers.servo_peers import Chain
+from tests.drivers.servo_peers import Chain, ServoChain
 
 
 @pytest.fixture
@@ -21,9 +21,14 @@ def board(tmp_path: Path) -> Iterator[Board]:
 
 
 @pytest.fixture
-def chain(tmp_path: Path) -> Iterator[Chain]:
+def tty(tmp_path: Path) -> Iterator[Chain]:
     with Chain(tmp_path / "ttyServos") as chain:
         yield chain
+
+
+@pytest.fixture
+def chain() -> ServoChain:
+    return ServoChain()
 
 
 @pytest.fixture

@@ -1,22 +1,34 @@
 import threading
 from itertools import cycle
+from types import SimpleNamespace
 
 import pytest
 
 from lbr.drivers.dynamixel import setup, table
-from lbr.drivers.dynamixel.bus import open_bus
+from lbr.drivers.dynamixel.bus import Bus, open_bus
 from lbr.drivers.dynamixel.setup import Setup, find_servos
 from lbr.drivers.servos.bus_thread import READ, STOP, WRITE, BusThread
 from lbr.drivers.servos.contract import SETTING_UP
 from lbr.drivers.servos.protocol1.bus import ProtocolBus
 from lbr.errors import DeviceError
-from tests.drivers.servo_peers import Chain, status
+from tests.drivers.servo_peers import MemoryLine, ServoChain, status
 from tests.support.waiting import HANG_S, until
 
 
 @pytest.fixture
 def bus(chain):
-    with open_bus(str(chain.path), margin_s=0.2) as bus:  # a chain that is held up
+    return on(chain)
+
+
+def on(chain):
+    """The bus of a chain in memory."""
+    time = SimpleNamespace(now=100.0)
+    return Bus(MemoryLine(chain, time, 1_000_000, 0.05), clock=lambda: time.now)
+
+
+@pytest.fixture
+def wired(tty):
+    with open_bus(str(tty.path), margin_s=0.2) as bus:  # a chain that is held up
         yield bus
 
 
@@ -38,13 +50,13 @@ def test_it_finds_reads_and_writes_servos(chain, bus):
     assert chain.servos[1].table[25] == 1
     assert [motion and motion.position for motion in bus.read_motions((1, 3))] == [513, 515]
     bus.write_all(table.TORQUE_ENABLE.address, {1: b"\1", 3: b"\1"})
-    until(lambda: chain.servos[1].torque == chain.servos[3].torque == 1023)
+    assert chain.servos[1].torque == chain.servos[3].torque == 1023
 
 
-def test_servos_are_looked_for_at_each_speed_on_request(chain, monkeypatch):
+def test_servos_are_looked_for_at_each_speed_on_request(tty, monkeypatch):
     patient = lambda path, **given: open_bus(path, **{**given, "margin_s": 0.2})  # noqa: E731 - a peer that is held up
     monkeypatch.setattr(setup, "open_bus", patient)
-    found = list(find_servos(str(chain.path), (1_000_000, 57_600), (1, 3, 9)))
+    found = list(find_servos(str(tty.path), (1_000_000, 57_600), (1, 3, 9)))
     assert found[:2] == [(1_000_000, 1), (1_000_000, 3)]
     assert {servo for _, servo in found} == {1, 3}
 
@@ -116,28 +128,27 @@ def test_a_refused_write_is_told(chain, bus):
     assert not bus.put(1, table.GOAL_POSITION, 3)
 
 
-def test_the_adapter_reads_all_at_once_and_the_silent_are_none(tmp_path):
-    chain = Chain(tmp_path / "ttyServos", 18, adapter=True)
-    with open_bus(str(chain.path), margin_s=0.05) as bus:
-        assert bus.find_adapter() == 5
-        chain.dead.add(7)
-        chain.log.clear()
-        positions = [motion and motion.position for motion in bus.read_motions(range(1, 19))]
-        assert positions == [None if servo == 7 else 512 + servo for servo in range(1, 19)]
-        assert len(chain.log) == 1
-    chain.finish()
+def test_the_adapter_reads_all_at_once_and_the_silent_are_none():
+    chain = ServoChain(18, adapter=True)
+    bus = on(chain)
+    assert bus.find_adapter() == 5
+    chain.dead.add(7)
+    chain.log.clear()
+    positions = [motion and motion.position for motion in bus.read_motions(range(1, 19))]
+    assert positions == [None if servo == 7 else 512 + servo for servo in range(1, 19)]
+    assert len(chain.log) == 1
 
 
-def test_a_line_is_for_one_process_alone_and_says_where_it_went(chain, bus):
+def test_a_line_is_for_one_process_alone_and_says_where_it_went(tty, wired):
     with pytest.raises(DeviceError, match="busy"):
-        open_bus(str(chain.path))
-    chain.unplug()
+        open_bus(str(tty.path))
+    tty.unplug()
     with pytest.raises(DeviceError, match="went away"):
-        bus.read_motion(1)
+        wired.read_motion(1)
     with pytest.raises(DeviceError, match="missing"):
-        open_bus(str(chain.path))
-    chain.plug()
-    with open_bus(str(chain.path), margin_s=0.05) as other:
+        open_bus(str(tty.path))
+    tty.plug()
+    with open_bus(str(tty.path), margin_s=0.05) as other:
         assert other.read_motion(1).position == 513
 
 
@@ -172,34 +183,34 @@ def test_a_newer_job_takes_the_place_of_one_that_waits_under_its_key(bus):
     assert owner.join(HANG_S)
 
 
-def test_a_stop_is_on_the_wire_within_a_transaction_whatever_the_traffic(chain):
-    chain.dead.add(2)
+def test_a_stop_is_on_the_wire_within_a_transaction_whatever_the_traffic(tty):
+    tty.dead.add(2)
     servos = cycle((1, 2, 3))
 
     def background(bus):
         bus.read_motion(next(servos))
         return 0.0
 
-    with open_bus(str(chain.path), margin_s=0.02) as bus:
+    with open_bus(str(tty.path), margin_s=0.02) as bus:
         owner = BusThread(bus, background)
         owner.start()
-        until(lambda: len(chain.log) > 10)
+        until(lambda: len(tty.log) > 10)
         owner.submit(lambda bus: bus.write_all(30, {1: b"\0\2"}), STOP).result(HANG_S)
-        until(lambda: chain.writes(30))
+        until(lambda: tty.writes(30))
         assert owner.join(HANG_S)
 
 
-def test_a_job_that_fails_hurts_nobody_but_a_lost_line_ends_the_owner(chain, bus):
-    owner = BusThread(bus)
+def test_a_job_that_fails_hurts_nobody_but_a_lost_line_ends_the_owner(tty, wired):
+    owner = BusThread(wired)
     owner.start()
     with pytest.raises(ZeroDivisionError):
         owner.submit(lambda _bus: 1 // 0, READ).result(HANG_S)
-    chain.unplug()
+    tty.unplug()
     with pytest.raises(DeviceError):
         owner.submit(lambda bus: bus.read_motion(1), READ).result(HANG_S)
     until(lambda: owner.failure is not None)
     assert owner.submit(lambda _bus: None, READ).cancelled()
-    chain.plug()
+    tty.plug()
 
 
 WANTED = [(table.RETURN_DELAY, 0), (table.SHUTDOWN, 36)]
@@ -268,7 +279,7 @@ def test_two_servos_with_one_id_are_found_out(chain, bus, answer, wrong):
     setup = Setup([])
     said = [setup.prepare(bus, 1) for _ in range(3)]
     assert wrong in said[-1]
-    until(lambda: setup.prepare(bus, 2) == "", what="the other servo set up")
+    assert set_up(setup, bus, 2) == ""
 
 
 def test_another_model_and_an_endless_servo_are_named(chain, bus):

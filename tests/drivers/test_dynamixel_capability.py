@@ -22,7 +22,7 @@ from lbr.messages.joints import Joint
 from lbr.messages.servos import RecoverServos, ServoGoal, ServoSetpoint
 from lbr.testing import FakeCall
 from tests.drivers.peers import DriverContext
-from tests.drivers.servo_peers import Chain, MemoryLine, ServoChain, status
+from tests.drivers.servo_peers import MemoryLine, ServoChain, status
 from tests.support import programs
 from tests.support.waiting import HANG_S, until
 
@@ -108,11 +108,6 @@ class Rig:
         goals = tuple(ServoGoal(id=servo, position_rad=position_rad(raw)) for servo in self.chain.servos)
         self.send(goals=goals, **fields)
         self.until(lambda: all(servo.goal == raw for servo in self.chain.servos.values()))
-
-
-@pytest.fixture
-def chain():
-    return ServoChain()
 
 
 @pytest.fixture
@@ -486,12 +481,6 @@ while True:
     servos.step()
     time.sleep(0.01)
 """
-
-
-@pytest.fixture
-def tty(tmp_path):
-    with Chain(tmp_path / "ttyServos") as tty:
-        yield tty
 
 
 @pytest.fixture
