@@ -16,9 +16,12 @@ from tests.support.databases import edit
 SHIPPED = Path(__file__).parents[2] / "docs" / "examples"
 
 
-def hints(path: Path, *edits: str) -> dict[str, list[str]]:
+def hints(path: Path, *edits: str, of: str = "") -> dict[str, list[str]]:
+    """Return the hints of each robot that has some, after edits; or those of one robot alone."""
     edit(path, *edits)
-    return {one["robot"]: one["hints"] for one in json.loads(db("check", "--json").stdout) if one["hints"]}
+    checked = db("check", "--json", *(("--robot", of) if of else ()))
+    assert checked.return_value == 0
+    return {one["robot"]: one["hints"] for one in json.loads(checked.stdout) if one["hints"]}
 
 
 def test_differences_are_told_as_json_too(path):
@@ -43,19 +46,16 @@ def test_the_shipped_rows_have_no_hints(path):
     ],
 )
 def test_what_is_odd_is_a_hint_and_no_fault(path, sql, wording):
-    found = hints(path, sql)["lbr"]
-    wording(*found)
-    done = db("check")
-    assert done.return_value == 0
-    assert all(f"lbr: hint: {hint}" in done.stdout for hint in found)
+    wording(*hints(path, sql, of="lbr")["lbr"])
 
 
 def test_a_uxa90_whose_servos_are_not_read_is_a_hint(path, wording):
     sql = (
         "UPDATE capability SET settings = json_set(settings, '$.sweep_hz', 0) WHERE robot = 'uxa90' AND kind = 'uxa90'"
     )
-    (found,) = hints(path, sql)["uxa90"]
+    (found,) = hints(path, sql, of="uxa90")["uxa90"]
     wording(found)
+    assert f"uxa90: hint: {found}" in db("check", "--robot", "uxa90").stdout
 
 
 @pytest.mark.parametrize(
@@ -96,7 +96,7 @@ def test_code_of_ones_own_is_a_hint(path, wording):
     own.mkdir(mode=0o700)
     (own / "wander.py").write_text((SHIPPED / "wander.py").read_text())
     edit(path, (SHIPPED / "wander.sql").read_text())
-    (hint,) = hints(path)["lbr"]
+    (hint,) = hints(path, of="lbr")["lbr"]
     wording(hint)
 
 

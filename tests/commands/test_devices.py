@@ -25,6 +25,7 @@ from lbr.database import store
 from lbr.database.rows import CapabilityRow, DeviceRow, RobotRow, RobotRows
 from lbr.testing.device import plugged
 from tests.support import databases, packages, programs, tap
+from tests.support.commands import here
 from tests.support.tap import tapped
 
 OUTSIDE = ("roboclaw", "so101")
@@ -52,9 +53,7 @@ def outside(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def home(tmp_path_factory, outside):
-    found = tmp_path_factory.mktemp("home")
-    assert said(["db", "init"], found, outside).returncode == 0
-    return found
+    return databases.in_home(tmp_path_factory.mktemp("home")).parent
 
 
 def said(words, home, path="", **options):
@@ -65,7 +64,9 @@ def said(words, home, path="", **options):
 
 
 def looked(words, home, path=""):
-    done = said(["devices", "--json", *words], home, path)
+    """Look for devices: in this process, unless it is to find other packages by its path."""
+    words = ["devices", "--json", *words]
+    done = said(words, home, path) if path else here(home, *words)
     assert done.stdout, done.stderr
     return json.loads(done.stdout)
 
@@ -211,7 +212,7 @@ def test_a_proposal_is_written_only_when_asked_and_can_be_taken_back(tmp_path, h
 def test_listening_writes_no_byte_and_knows_what_talks_by_itself(tmp_path, home):
     with tapped("ld06", tmp_path) as (lidar, _), tapped("roboteq", tmp_path) as (wheels, heard):
         ports = ["--port", lidar.device.address, "--port", wheels.device.address]
-        found = looked(["--listen", *ports], home)
+        found = json.loads(said(["devices", "--json", "--listen", *ports], home).stdout)
     assert [one["type"] for one in found["devices"]] == ["ld06", ""]
     assert b"".join(heard) == b""
 

@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -37,13 +38,20 @@ def allowed(unit: str) -> set[str]:
 
 
 def expanded(word: str) -> set[str]:
-    if not word.startswith("@"):
-        return {word}
-    shown = programs.run(
-        ["systemd-analyze", "syscall-filter", word], capture_output=True, text=True, check=True, timeout=5
-    )
-    calls = {line.strip() for line in shown.stdout.splitlines()[1:] if not line.strip().startswith("#")}
-    return {call for one in calls - {""} for call in expanded(one)}
+    return {call for one in groups()[word] for call in expanded(one)} if word.startswith("@") else {word}
+
+
+@cache
+def groups() -> dict[str, set[str]]:
+    """Return what is in each group of system calls: names and other groups."""
+    shown = programs.run(["systemd-analyze", "syscall-filter"], capture_output=True, text=True, check=True, timeout=5)
+    found: dict[str, set[str]] = {}
+    for line in shown.stdout.splitlines():
+        if line.startswith("@"):
+            inside = found[line.strip()] = set()
+        elif line.strip() and not line.strip().startswith("#"):
+            inside.add(line.strip())
+    return found
 
 
 @pytest.fixture(scope="module")
