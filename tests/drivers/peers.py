@@ -16,7 +16,6 @@ from lbr.capability.kind import Kind
 from lbr.capability.tap import Tap
 from lbr.messages.system import Stamp
 from lbr.testing.driver import RealTimeContext
-from tests.support.own_time import own_clock
 from tests.support.waiting import HANG_S
 
 
@@ -58,14 +57,10 @@ class Pty:
             return b""
 
 
-class ScriptedRoboteq(Pty, Tap):
-    """Answers as the controller does, and misbehaves when told to.
+class RoboteqScript:
+    """Answers as the controller does, and misbehaves when told to."""
 
-    As the tap of the driver's line it takes what the driver writes at once, and has its answer lie there before the
-    driver reads: the driver gives an answer 5 ms. By `clock` that takes no time, however late the kernel moves the bytes.
-    """
-
-    def __init__(self, path: Path) -> None:
+    def __init__(self) -> None:
         self.settings = {"RWD": 1000, "MXMD": 0, "ECHOF": 0}
         self.answers = {
             "FID": "Roboteq v1.8d SDC2130 01/01/2020",
@@ -80,80 +75,26 @@ class ScriptedRoboteq(Pty, Tap):
         self.times: list[float] = []
         self.motor = (0, 0)
         self.latched = False
-        self.reading = True
         self.deaf_to_settings = False
         self.echo_always: bool | None = None
         self.answer: Callable[[str], bytes | None] = lambda _line: None  # None: as usual
         self._buffer = b""
-        self._own_clock = own_clock()
-        self._took_s = 0.0
-        self._stop = threading.Event()
-        self._babbler: threading.Thread | None = None
-        self._server: threading.Thread | None = None
-        Tap.__init__(self)
-        Pty.__init__(self, path)
 
     def motor_commands(self) -> list[str]:
         return [line for line in self.log if line.startswith("!")]
 
-    def babble(self, noise: bytes) -> None:
-        """Talk without end, as fast as the line takes it, and answer nothing; still hear everything."""
-        self.answer = lambda _line: b""
-        self._babbler = threading.Thread(target=self._babble, args=(noise,), daemon=True)
-        self._babbler.start()
-
-    def finish(self) -> None:
-        self._stop.set()
-        for thread in filter(None, (self._babbler, self._server)):
-            thread.join()
-        super().finish()
-
-    def serve(self) -> None:
-        """Answer in a thread what a driver in another process, or its guard, writes."""
-        self._server = threading.Thread(target=self._serve, daemon=True)
-        self._server.start()
-
-    def _serve(self) -> None:
-        while not self._stop.wait(0.001):
-            with suppress(OSError, ValueError):  # it was unplugged
-                while self.reading and select.select([self.master], [], [], 0.005)[0]:
-                    self._hear(os.read(self.master, 4096))
-
-    def sent(self, data: bytes) -> None:
-        super().sent(data)
-        began = self._own_clock()
-        left = len(data)
-        while left and self.reading and select.select([self.master], [], [], HANG_S)[0]:
-            came = os.read(self.master, left)
-            left -= len(came)
-            if self._hear(came):
-                select.select([self.keeper], [], [], HANG_S)
-        self._took_s += self._own_clock() - began
-
-    def clock(self) -> float:
-        return self._own_clock() - self._took_s
-
-    def _babble(self, noise: bytes) -> None:
-        while not self._stop.is_set():
-            with suppress(BlockingIOError):
-                if select.select([], [self.master], [], 0.005)[1]:
-                    os.write(self.master, noise)
-
-    def _hear(self, data: bytes) -> bool:
-        """Answer what is a whole line; say whether there was anything to say."""
-        answered = False
-        self._buffer += data
-        *lines, self._buffer = self._buffer.split(b"\r")
+    def hear(self, data: bytes) -> bytes:
+        """Return what is answered to the lines that are whole."""
+        *lines, self._buffer = (self._buffer + data).split(b"\r")
+        answers = b""
         for line in lines:
             text = line.decode("ascii", "replace")
             self.log.append(text)
             self.times.append(time.monotonic())
             echo = self.settings["ECHOF"] == 0 if self.echo_always is None else self.echo_always
             answer = self.answer(text)
-            if answer is None:
-                answer = (line + b"\r" if echo else b"") + self._reply(text)
-            answered |= os.write(self.master, answer) > 0
-        return answered
+            answers += (line + b"\r" if echo else b"") + self._reply(text) if answer is None else answer
+        return answers
 
     def _reply(self, text: str) -> bytes:
         sign, word, *rest = text[0], *text[1:].split()
@@ -171,6 +112,44 @@ class ScriptedRoboteq(Pty, Tap):
             self.latched = word == "EX"
             self.answers["FF"] = "16" if self.latched else "0"
         return b"+\r"
+
+
+class ScriptedRoboteq(RoboteqScript, Pty):
+    """That controller at the end of a line; a thread answers."""
+
+    def __init__(self, path: Path) -> None:
+        RoboteqScript.__init__(self)
+        Pty.__init__(self, path)
+        self._stop = threading.Event()
+        self._threads: list[threading.Thread] = []
+        self._begin(self._serve)
+
+    def babble(self, noise: bytes) -> None:
+        """Talk without end, as fast as the line takes it, and answer nothing; still hear everything."""
+        self.answer = lambda _line: b""
+        self._begin(self._babble, noise)
+
+    def finish(self) -> None:
+        self._stop.set()
+        for thread in self._threads:
+            thread.join()
+        super().finish()
+
+    def _begin(self, work: Callable[..., None], *args: Any) -> None:
+        self._threads.append(threading.Thread(target=work, args=args, daemon=True))
+        self._threads[-1].start()
+
+    def _serve(self) -> None:
+        while not self._stop.wait(0.001):
+            with suppress(OSError, ValueError):  # it was unplugged
+                while select.select([self.master], [], [], 0.005)[0]:
+                    os.write(self.master, self.hear(os.read(self.master, 4096)))
+
+    def _babble(self, noise: bytes) -> None:
+        while not self._stop.is_set():
+            with suppress(BlockingIOError):
+                if select.select([], [self.master], [], 0.005)[1]:
+                    os.write(self.master, noise)
 
 
 class Board(Pty):

@@ -1,16 +1,13 @@
-import os
 from math import inf, nan
 
 import pytest
 
-from lbr.capability.context import Device
 from lbr.drivers.roboteq import KIND, Wheel
 from lbr.drivers.roboteq import protocol as wire
 from lbr.drivers.roboteq.controller import Controller, wire_value
-from lbr.drivers.serial_line import open_line
 from lbr.errors import DeviceError
 from lbr.simulation.devices.roboteq.device import RoboteqDevice
-from tests.support.waiting import until
+from tests.drivers.peers import RoboteqScript
 
 NOISE = {"junk": b"junk\r" * 4, "line ends": b"\r" * 20, "no line ends": b"\xff" * 20}
 STAND = "!M 0 0"
@@ -22,19 +19,52 @@ def repeat(times, action):
         action()
 
 
+class ScriptLine:
+    """A line to a scripted controller in memory; who waits for an answer has its clock go on."""
+
+    def __init__(self, peer):
+        self.peer, self.now, self.came, self.unread, self.reads = peer, 100.0, b"", b"", True
+
+    def clock(self):
+        return self.now
+
+    def write(self, data):
+        if self.reads:
+            self.came += self.peer.hear(data)
+        else:
+            self.unread += data
+        return len(data)
+
+    def read(self, wait_s=0.0):
+        self.now += 0.001 if self.came else wait_s
+        data, self.came = self.came, b""
+        return data
+
+    def drop_input(self):
+        self.came = b""
+
+    def drop_output(self):
+        pass
+
+    close = drop_output
+
+
 @pytest.fixture
-def bring_up(peer):
-    opened = []
+def peer():
+    return RoboteqScript()
 
+
+@pytest.fixture
+def line(peer):
+    return ScriptLine(peer)
+
+
+@pytest.fixture
+def bring_up(line):
     def build(more="", wheels=MIRRORED):
-        settings = KIND.parse(wheels + more + "}")
-        line = open_line(Device("motors", "roboteq", str(peer.path), {}, peer), settings.baud)
-        opened.append(line)
-        return Controller(line, settings, peer.clock)
+        return Controller(line, KIND.parse(wheels + more + "}"), line.clock)
 
-    yield build
-    for line in opened:
-        line.close()
+    return build
 
 
 def test_opening_identifies_then_writes_zero_then_sets_and_reads_back(bring_up, peer):
@@ -76,7 +106,7 @@ def test_a_controller_that_echoes_against_its_setting_is_understood(bring_up, pe
 
 
 @pytest.mark.parametrize(
-    ("left", "right", "line"),
+    ("left", "right", "told"),
     [
         (0.5, 0.5, "!M -500 500"),
         (0.2, -0.2, "!M -200 -200"),
@@ -86,11 +116,11 @@ def test_a_controller_that_echoes_against_its_setting_is_understood(bring_up, pe
         (0.5, inf, "!M 0 0"),
     ],
 )
-def test_powers_become_wire_values(bring_up, peer, left, right, line):
+def test_powers_become_wire_values(bring_up, peer, left, right, told):
     controller = bring_up()
     controller.open()
     controller.drive(left, right)
-    assert peer.motor_commands()[-1] == line
+    assert peer.motor_commands()[-1] == told
 
 
 @pytest.mark.parametrize(
@@ -215,9 +245,9 @@ def test_the_wrong_model_is_refused(bring_up):
         bring_up(', "model": "HDC"').open()
 
 
-def test_a_half_line_left_by_somebody_else_does_not_stop_the_opening(bring_up, peer):
+def test_a_half_line_left_by_somebody_else_does_not_stop_the_opening(bring_up, peer, line):
     controller = bring_up()
-    controller._line.write(b"!M 700 7")
+    line.write(b"!M 700 7")
     peer.answer = lambda line: b"-\r" if line.startswith("!M 700") else None
     controller.open()
     assert peer.motor == (0, 0)
@@ -275,7 +305,8 @@ def test_one_lost_answer_is_counted_and_the_next_command_goes_on(bring_up, peer)
     lost = []
     peer.answer = lambda line: b"" if line.startswith("!M") and not lost and not lost.append(line) else None
     controller.drive(0.2, 0.2)
-    until(lambda: (controller.drive(0.3, 0.3), controller.applied == (0.3, 0.3))[1])
+    repeat(200, lambda: controller.drive(0.3, 0.3))
+    assert controller.applied == (0.3, 0.3)
     assert controller.lost == 1
 
 
@@ -309,28 +340,27 @@ def test_refusals_are_counted_and_too_many_are_an_error(bring_up, peer):
     assert controller.applied == (0.0, 0.0)
 
 
-def test_after_a_gap_as_long_as_the_watchdog_zero_goes_first(bring_up, peer):
+def test_after_a_gap_as_long_as_the_watchdog_zero_goes_first(bring_up, peer, line):
     controller = bring_up(', "watchdog_ms": 50')
     controller.open()
     controller.drive(0.4, 0.4)
-    until(lambda: controller.fed_s_ago > 0.05)
+    line.now += 0.051
     controller.drive(0.4, 0.4)
     controller.drive(0.4, 0.4)
     assert peer.motor_commands()[-3:] == ["!M -400 400", "!M 0 0", "!M -400 400"]
 
 
-def test_a_controller_that_stops_reading_is_never_fed_more_than_one_command(bring_up, peer):
+def test_a_controller_that_stops_reading_is_never_fed_more_than_one_command(bring_up, line):
     controller = bring_up()
     controller.open()
     controller.drive(0.4, 0.4)
-    peer.reading = False
+    line.reads = False
     with pytest.raises(DeviceError, match="unanswered"):
         repeat(1000, lambda: controller.drive(0.4, 0.4))
     controller.close()
-    left_behind = bytearray()
-    until(lambda: (left_behind.extend(peer.waiting()), left_behind.endswith(wire.STOP))[1], what="zero at the end")
-    assert left_behind.count(b"!M -400 400") == 1
-    assert len(left_behind) < 50
+    assert line.unread.endswith(wire.STOP)
+    assert line.unread.count(b"!M -400 400") == 1
+    assert len(line.unread) < 50
 
 
 def test_a_reset_that_brings_back_the_long_watchdog_is_noticed_once_it_is_read_twice_in_a_row():
@@ -362,7 +392,11 @@ def test_closing_writes_zero_and_waits_for_it(bring_up, peer):
     assert peer.motor == (0, 0)
 
 
-def test_closing_tells_whether_somebody_may_still_be_moving(bring_up, peer):
+def unplugged(_data):
+    raise DeviceError("went away", "unplugged")
+
+
+def test_closing_tells_whether_somebody_may_still_be_moving(bring_up, peer, line, monkeypatch):
     controller = bring_up()
     controller.open()
     peer.answer = lambda line: b""
@@ -380,7 +414,7 @@ def test_closing_tells_whether_somebody_may_still_be_moving(bring_up, peer):
     assert controller.close()  # never opened
     controller = bring_up()
     controller.open()
-    peer.unplug()
+    monkeypatch.setattr(line, "write", unplugged)
     assert controller.close()
 
 
@@ -404,10 +438,10 @@ def test_faults_are_unknown_after_a_release_until_they_are_read_again(bring_up, 
     assert controller.faults is None
 
 
-def test_garbage_between_the_answers_does_no_harm(bring_up, peer):
+def test_garbage_between_the_answers_does_no_harm(bring_up, peer, line):
     controller = bring_up()
     controller.open()
-    os.write(peer.master, b"\xff\x00V=1:\r\rA=zz\r+\r-\r" + b"x" * 2000)
+    line.came += b"\xff\x00V=1:\r\rA=zz\r+\r-\r" + b"x" * 2000
     peer.answer = lambda line: b"\r" + line.encode() + b"\r+\r" if line.startswith("!M") else None
     controller.drive(0.1, 0.1)
     assert controller.applied == (0.1, 0.1)

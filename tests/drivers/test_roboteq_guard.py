@@ -37,12 +37,6 @@ while True:
 """
 
 
-@pytest.fixture(autouse=True)
-def served(peer):
-    """The controller answers whoever writes, the driver and its guard."""
-    peer.serve()
-
-
 @pytest.fixture
 def driver(peer):
     """A driver in a process of its own, driving; and its guard's pid."""
