@@ -14,9 +14,10 @@ import pytest
 
 from lbr.cli import INTERRUPTED
 from lbr.executive.shutdown import FORCED, Shutdown
+from tests.scenarios.many_rows import ADD_MANY, FITTING
 from tests.support import programs
 from tests.support.robot import environment, prepare, running
-from tests.support.waiting import HANG_S
+from tests.support.waiting import HANG_S, until
 
 HANGS = """
 import os, signal, sys, threading
@@ -89,6 +90,15 @@ def test_it_counts_from_the_first_word_and_says_what_took_too_long(heard: bool, 
     shutdown.begin("signal SIGTERM")
     shutdown.begin("signal SIGTERM")
     wording(ended.get(timeout=HANG_S))
+
+
+@pytest.mark.slow_start
+def test_sigterm_ends_a_robot_while_many_rows_begin(tmp_path: Path) -> None:
+    with running(prepare(tmp_path / "h")) as robot:
+        robot.edit(ADD_MANY.format(last=FITTING - 1))
+        until(lambda: any(one["phase"] == "starting" for one in robot.status()["capabilities"]))
+        robot.popen.send_signal(signal.SIGTERM)
+        assert robot.popen.wait(HANG_S) == 0
 
 
 @pytest.mark.slow_start

@@ -262,7 +262,7 @@ def calibrations(robot: Robot) -> list[tuple[str, str, float]]:
     return databases.asked(robot.home / "robot.db", "SELECT device, name, value FROM calibration ORDER BY name")
 
 
-def test_what_a_capability_measures_is_written_down_and_restarts_nothing(robot):
+def test_what_a_capability_measures_is_written_down_and_restarts_nothing_or_is_told_as_lost(robot):
     (robot.home / "capabilities" / "compass.py").write_text(COMPASS)
     robot.edit("INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'compass', 'compass')")
     until(lambda: robot.ask("compass/known") == {"values": {}})
@@ -276,9 +276,15 @@ def test_what_a_capability_measures_is_written_down_and_restarts_nothing(robot):
     robot.edit("UPDATE calibration SET value = 8.5")  # by somebody else's hand it counts as any edit does
     until(lambda: robot.ask("compass/known") == {"values": {"offset_ut": 8.5}})
     assert pids(robot)["compass"] != before["compass"]
-    robot.edit("DELETE FROM calibration")
-    robot.edit("DELETE FROM capability WHERE name = 'compass'")
-    until(lambda: phase(robot, "compass") == "absent")
+    robot.edit("CREATE TRIGGER full BEFORE UPDATE ON calibration BEGIN SELECT RAISE(FAIL, 'there is no room'); END")
+    robot.ask("compass/measure", {})
+    (lost,) = until(lambda: [event["text"] for event in robot.events() if event["kind"] == "learnt_lost"])
+    assert "offset_ut" in lost
+    assert "holds until the next restart only" in lost
+    assert "there is no room" in lost
+    assert robot.ask("compass/known") == {"values": {"offset_ut": 7.5}}
+    assert calibrations(robot) == [("range_board", "offset_ut", 8.5)]
+    robot.edit("DROP TRIGGER full")
 
 
 def test_another_home_does_not_run_the_same_rows(robot, home):
