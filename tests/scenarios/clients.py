@@ -7,10 +7,9 @@ import time
 from collections.abc import Callable
 
 from tests.support import programs
-from tests.support.bench import ANGLES, Bench, NoMotionError, bench
+from tests.support.bench import ANGLES, Bench, NoMotionError
 from tests.support.clients import plain
 from tests.support.clients.terminal import OnTerminal
-from tests.support.figures import Results
 from tests.support.mover import POWER
 from tests.support.robot import LBR, environment
 from tests.support.waiting import HANG_S
@@ -96,14 +95,6 @@ WAYS: tuple[Callable[[Bench], None], ...] = (
     console_hung_up,
     console_left,
 )
-
-
-def clients_gone(results: Results, n: int) -> None:
-    """S8, all ways in turn."""
-    with bench(results) as under_test:
-        for _ in range(n):
-            for way in WAYS:
-                way(under_test)
 
 
 def _gone(under_test: Bench, figure: str, leave: Callable[[], int]) -> None:

@@ -9,8 +9,7 @@ from typing import Any
 from lbr.bus import stamp, wire
 from tests.scenarios.bounds import held
 from tests.scenarios.estop import PAUSE_S
-from tests.support.bench import Bench, bench
-from tests.support.figures import Results
+from tests.support.bench import Bench
 from tests.support.mover import Mover
 from tests.support.trace import Output
 
@@ -110,14 +109,6 @@ def ranges_fail(under_test: Bench, name: str) -> None:
     under_test.stays_at_rest(zero)
     under_test.all_ready(10.0)
     _back(under_test, ahead_m)
-
-
-def range_board(results: Results, n: int) -> None:
-    """S15."""
-    with bench(results) as under_test:
-        for _ in range(n):
-            for name in RANGE_FAULTS:
-                ranges_fail(under_test, name)
 
 
 @contextmanager

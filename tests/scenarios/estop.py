@@ -4,8 +4,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from tests.support.bench import Bench, bench
-from tests.support.figures import Results
+from tests.support.bench import Bench
 
 PERSISTENT_S = 0.3
 PAUSE_S = 0.3
@@ -20,14 +19,6 @@ def by_put(under_test: Bench) -> None:
     """A plain put by any client."""
     robot = under_test.robot
     press(under_test, "E1 put", lambda: robot.bus.put(f"{robot.name}/@estop", '{"engaged": true, "reason": "bench"}'))
-
-
-def estop(results: Results, n: int) -> None:
-    """E1, both ways in turn."""
-    with bench(results) as under_test:
-        for _ in range(n):
-            by_console(under_test)
-            by_put(under_test)
 
 
 def press(under_test: Bench, figure: str, how: Callable[[], Any]) -> None:

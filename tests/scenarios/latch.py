@@ -69,13 +69,6 @@ def links_lost(under_test: Bench) -> None:
 WAYS: tuple[Callable[[Bench], None], ...] = (processes_killed, executive_killed, database_restored, links_lost)
 
 
-def survives(results: Results, n: int) -> None:
-    """E2: `n` times one of the ways."""
-    with bench(results) as under_test:
-        for turn in range(n):
-            WAYS[turn % len(WAYS)](under_test)
-
-
 def without_executive(results: Results) -> None:
     """E6: the executive dies as somebody presses; what is left stops by itself."""
     with bench(results) as under_test:

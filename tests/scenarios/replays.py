@@ -83,13 +83,6 @@ def replays(results: Results, n: int) -> None:
         recorded(under_test, n)
 
 
-def numbers(results: Results, n: int) -> None:
-    """F3 at the bus, `n` times; the kernel is tried with many more."""
-    with bench(results) as under_test:
-        for _ in range(n):
-            numbered(under_test)
-
-
 def _record(under_test: Bench) -> list[Message]:
     """Listen while a stamped and a plain sender drive; return what moved something, the last of it just stopped."""
     robot = under_test.robot

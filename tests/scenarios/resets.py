@@ -12,8 +12,7 @@ from lbr.bus import session, wire
 from lbr.bus.session import Session
 from lbr.errors import BusError
 from lbr.leases.rules import PERSISTENT_S
-from tests.support.bench import ANGLES, Bench, bench
-from tests.support.figures import Results
+from tests.support.bench import ANGLES, Bench
 from tests.support.mover import accepted
 
 STREAM_S = 0.05
@@ -57,13 +56,6 @@ def reset_under_stream(under_test: Bench, how: str) -> None:
     under_test.until(lambda: not under_test.trace.now().zero, 1.0, "motion after a pause")
     robot.ask("drive/stop", {})
     under_test.until(lambda: under_test.trace.now().zero, 1.0, "rest")
-
-
-def resets(results: Results, n: int) -> None:
-    """E3, `n` times one of the streams."""
-    with bench(results) as under_test:
-        for turn in range(n):
-            reset_under_stream(under_test, list(STREAMS)[turn % len(STREAMS)])
 
 
 @contextmanager

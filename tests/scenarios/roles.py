@@ -7,8 +7,7 @@ from typing import Any
 
 from lbr.bus import keys, wire
 from lbr.bus.session import Session
-from tests.support.bench import ANGLES, Bench, bench
-from tests.support.figures import Results
+from tests.support.bench import ANGLES, Bench
 
 STOP_LIMIT_S = 0.5
 ARMED_S = 0.3
@@ -64,14 +63,6 @@ def forbidden_keys(under_test: Bench) -> None:
     latched = under_test.answer("@estop")["engaged"]
     under_test.results.check("E5", [] if latched else ["a put released the emergency stop"])
     _release(under_test)
-
-
-def everybody(results: Results, n: int) -> None:
-    """E5."""
-    with bench(results) as under_test:
-        for _ in range(n):
-            matrix(under_test)
-            plain_keys(under_test)
 
 
 def _stops(under_test: Bench, what: str, how: Callable[[], Any]) -> None:

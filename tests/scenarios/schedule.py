@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from tests.scenarios import (
     bounds,
@@ -31,7 +32,27 @@ from tests.scenarios import (
     writers,
 )
 from tests.scenarios.freezes import repeated
+from tests.support.bench import Bench, bench
 from tests.support.figures import Results
+
+Way = Callable[[Bench], None]
+Run = Callable[[Results, int], None]
+
+
+def all_of(*ways: Way) -> Run:
+    """Return a scenario that goes all ways `n` times on one robot."""
+    return lambda results, n: in_turn(*ways)(results, n * len(ways))
+
+
+def in_turn(*ways: Way) -> Run:
+    """Return a scenario that goes `n` times one of the ways on one robot."""
+
+    def run(results: Results, n: int) -> None:
+        with bench(results) as under_test:
+            for turn in range(n):
+                ways[turn % len(ways)](under_test)
+
+    return run
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +62,7 @@ class Scenario:
     `tries` is how many of its first figure one `n` makes, at least.
     """
 
-    run: Callable[[Results, int], None]
+    run: Run
     full: int
     gate: int
     alone: bool = False
@@ -59,14 +80,14 @@ class Scenario:
 SCENARIOS: dict[str, Scenario] = {
     "S13": Scenario(crashes.crashes, 30, 1),
     "P3": Scenario(storms.storm, 500, 15),
-    "E1": Scenario(estop.estop, 1000, 20),
-    "S8": Scenario(clients.clients_gone, 100, 4, tries=5),
+    "E1": Scenario(all_of(estop.by_console, estop.by_put), 1000, 20),
+    "S8": Scenario(all_of(*clients.WAYS), 100, 4, tries=5),
     "S1": Scenario(kills.kill_motor_driver, 300, 20),
     "S3": Scenario(kills.kill_drive, 300, 20),
     "S18": Scenario(bounds.bounds, 200, 6),
     "E7": Scenario(repeated(devices.motors_dumb), 300, 6),
-    "E3": Scenario(resets.resets, 300, 9),
-    "E2": Scenario(latch.survives, 300, 8),
+    "E3": Scenario(in_turn(*(partial(resets.reset_under_stream, how=how) for how in resets.STREAMS)), 300, 9),
+    "E2": Scenario(in_turn(*latch.WAYS), 300, 8),
     "P5": Scenario(crashes.hangs, 10, 1),
     "S6": Scenario(kills.kill_executive, 100, 6),
     "S6 frozen": Scenario(orphans.anything_frozen, 100, 4),
@@ -76,17 +97,17 @@ SCENARIOS: dict[str, Scenario] = {
     "S7": Scenario(repeated(freezes.executive_frozen, freezes.client_frozen), 50, 3, tries=2),
     "S11": Scenario(repeated(freezes.everything_frozen), 30, 3),
     "S12": Scenario(repeated(freezes.driver_and_guard_killed), 50, 5),
-    "S15": Scenario(devices.range_board, 10, 1),
+    "S15": Scenario(all_of(*(partial(devices.ranges_fail, name=name) for name in devices.RANGE_FAULTS)), 10, 1),
     "S16": Scenario(repeated(devices.motors_unplugged), 50, 5),
     "S17": Scenario(repeated(devices.motors_deaf), 30, 3),
     "S19": Scenario(turns.turns_lost, 20, 1),
     "S21": Scenario(unread.unread, 100, 1),
-    "E5": Scenario(roles.everybody, 5, 1),
+    "E5": Scenario(all_of(roles.matrix, roles.plain_keys), 5, 1),
     "E6": Scenario(latch.last_stops, 60, 4),
     "F2": Scenario(replays.replays, 10_000, 1_000),
-    "F3": Scenario(replays.numbers, 1_000, 10),
+    "F3": Scenario(all_of(replays.numbered), 1_000, 10),
     "F4": Scenario(clocks.wall_clock_jumps, 30, 2),
-    "F7": Scenario(writers.one_writer, 30, 1),
+    "F7": Scenario(all_of(writers.foreign_setpoints, writers.second_run, writers.second_opener), 30, 1),
     "P1": Scenario(kills.kill_others, 60, 3),
     "P2": Scenario(loops.crash_loops, 5, 1),
     "P4": Scenario(shutdown.shutdowns, 50, 1),

@@ -9,8 +9,7 @@ from contextlib import suppress
 import serial
 
 from lbr.bus import stamp, wire
-from tests.support.bench import Bench, bench
-from tests.support.figures import Results
+from tests.support.bench import Bench
 from tests.support.robot import lbr
 
 FOREIGN_S = 0.4
@@ -54,15 +53,6 @@ def second_opener(under_test: Bench) -> None:
     finally:
         os.close(fd)
     under_test.results.check("F7", opened)
-
-
-def one_writer(results: Results, n: int) -> None:
-    """F7."""
-    with bench(results) as under_test:
-        for _ in range(n):
-            foreign_setpoints(under_test)
-            second_run(under_test)
-            second_opener(under_test)
 
 
 def _overhear(under_test: Bench, key: str) -> list[tuple[bytes, bytes]]:
