@@ -13,6 +13,7 @@ from lbr.capability import registry, twins
 from lbr.capability.kind import KindError
 from lbr.robot import registry as robots
 from tests.support import programs
+from tests.support.commands import here
 from tests.support.packages import imported_from, metadata, on_path, package
 from tests.support.robot import LBR, environment
 
@@ -80,6 +81,13 @@ def lbr(site: Path, home: Path, *words: str, **more: str) -> "tuple[int, str, st
     return done.returncode, done.stdout, done.stderr
 
 
+def typed(home: Path, *words: str) -> "tuple[int, str, str]":
+    """Run a command in this process, which has the packages of the test on its path."""
+    plugins.forget()
+    done = here(home, *words)
+    return done.returncode, done.stdout, done.stderr
+
+
 def test_one_entry_point_brings_a_kind_a_twin_and_a_command(site):
     package(site, "my-gripper", brings=BRINGS, files={"gripper.py": GRIPPER})
     plugins.forget()
@@ -103,7 +111,7 @@ def test_a_command_of_a_package_has_help_completion_and_exit_codes_as_ours_have(
 
 
 def test_the_help_lists_each_command_of_lbr_below_one_of_six_headings(site, tmp_path):
-    said = lbr(site, tmp_path, "--help")[1]
+    said = typed(tmp_path, "--help")[1]
     headings = ["Start", "Drive", "Look", "Change", "Build", "Run for good"]
     assert re.findall(r"^(\w.*):$", said.partition("Options:")[2], re.MULTILINE) == headings
     listed = re.findall(r"^  ([a-z]+) ", said.partition("Start:")[2], re.MULTILINE)
@@ -156,21 +164,21 @@ def test_a_component_that_does_not_load_since_it_is_for_another_lbr_says_so(site
 
 def test_the_command_line_tells_of_broken_components_in_its_help_and_where_a_command_is_not_there(site, tmp_path):
     put(site, "theirs", "COMPONENT = 3")
-    assert "package 'theirs 0.1'" in lbr(site, tmp_path, "--help")[1].partition("Not loaded:")[2]
-    code, _, said = lbr(site, tmp_path, "grip")
+    assert "package 'theirs 0.1'" in typed(tmp_path, "--help")[1].partition("Not loaded:")[2]
+    code, _, said = typed(tmp_path, "grip")
     assert (code, "package 'theirs 0.1'" in said) == (cli.BAD_INPUT, True)
-    assert "theirs" not in lbr(site, tmp_path, "topic", "lsit")[2]
+    assert "theirs" not in typed(tmp_path, "topic", "lsit")[2]
 
 
 def test_commands_that_two_claim_are_neithers_and_those_of_lbr_stay(site, tmp_path):
     for name in ("one", "two"):
         package(site, name, brings={"commands": {"run": f"{name}:c", "grip": f"{name}:c"}}, files={f"{name}.py": ""})
-    code, said, told = lbr(site, tmp_path, "grip")
+    code, said, told = typed(tmp_path, "grip")
     assert (code, said) == (cli.FAILED, "")
     assert "packages one 0.1 and two 0.1 bring it" in told
-    assert lbr(site, tmp_path, "run", "--help")[1].startswith("Usage: lbr run")
-    assert "grip" not in lbr(site, tmp_path, "--help")[1]
-    findings = json.loads(lbr(site, tmp_path, "doctor", "--json")[1])
+    assert typed(tmp_path, "run", "--help")[1].startswith("Usage: lbr run")
+    assert "grip" not in typed(tmp_path, "--help")[1]
+    findings = json.loads(typed(tmp_path, "doctor", "--json")[1])
     told = [one["text"] for one in findings if one["about"] == "commands of packages"]
     assert len(told) == 4
 
