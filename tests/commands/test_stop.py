@@ -19,14 +19,6 @@ def both(tmp_path_factory):
         yield one, other
 
 
-def test_a_frozen_robot_is_shut_down_as_any_other(tmp_path):
-    with robots.running(robots.prepare(tmp_path / "h")) as robot:
-        os.kill(robot.popen.pid, signal.SIGSTOP)
-        done = robots.lbr(robot.home, "stop")
-        assert (done.returncode, done.stdout) == (0, "robot 'lbr' has shut down\n")
-        assert robot.popen.wait(5.0) == 0
-
-
 def test_a_stop_that_names_no_robot_reaches_all_that_run_here_and_nothing_else_does(both):
     one, other = both
     done = here(one.home, "send", "estop/too", "near")
@@ -59,3 +51,12 @@ def test_a_stop_to_several_robots_tells_what_each_answers_without_waiting_for_on
         os.kill(one.popen.pid, signal.SIGCONT)
         rest, _ = sent.communicate()
     assert rest.startswith("lbr: "), "it answered once it went on, and had not been given up"
+
+
+def test_a_frozen_robot_is_shut_down_as_any_other(both):
+    """The last one here: it ends one of them."""
+    one, _ = both
+    os.kill(one.popen.pid, signal.SIGSTOP)
+    done = robots.lbr(one.home, "stop", "--robot", "lbr")
+    assert (done.returncode, done.stdout) == (0, "robot 'lbr' has shut down\n")
+    assert one.popen.wait(5.0) == 0

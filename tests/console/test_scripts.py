@@ -87,7 +87,7 @@ ENDING = {
         "/torque/on, /j/neck_yaw/60/10, s, /j/neck_yaw/0/60, look, Shutdown",
     ),
 }
-"""What is said to a robot as it starts, beside a short script."""
+"""What is said to a robot as it starts."""
 
 
 class Running:
@@ -146,16 +146,8 @@ def test_a_script_said_to_a_robot_runs_to_its_end(robots: Running, profile: str,
     assert (told.returncode, told.stderr) == (0, ""), told.stdout
 
 
-def starts_and_ends(home: Path, profile: str, script: str, *, whole: bool = True) -> None:
-    told = lbr(prepare(home, whole=whole, edits=PATIENT), "run", profile, stdin=lines(script), limit_s=ENDS_S)
-    assert told.returncode == 0, f"{told.stdout}\n{told.stderr}"
-
-
-@pytest.mark.parametrize("profile", ENDING)
-def test_a_short_script_starts_a_robot_and_ends_it(tmp_path: Path, profile: str) -> None:
-    starts_and_ends(tmp_path / "h", profile, "estop, reset, Shutdown", whole=False)
-
-
 @pytest.mark.parametrize(("profile", "script"), [(profile, one) for profile, said in ENDING.items() for one in said])
 def test_a_script_starts_a_robot_and_ends_it(tmp_path: Path, profile: str, script: str) -> None:
-    starts_and_ends(tmp_path / "h", profile, script)
+    home = prepare(tmp_path / "h", whole=True, edits=PATIENT)
+    told = lbr(home, "run", profile, stdin=lines(script), limit_s=ENDS_S)
+    assert told.returncode == 0, f"{told.stdout}\n{told.stderr}"
