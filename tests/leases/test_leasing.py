@@ -210,6 +210,18 @@ def test_a_clock_that_went_back_ends_all_and_lets_begin_anew(hand):
     assert hand.ask() == ""
 
 
+@pytest.mark.parametrize(("paused_s", "code"), [(0.1, "rest_first"), (0.3, "")])
+def test_a_clock_that_went_back_makes_no_stream_of_before_a_new_wish(hand, paused_s, code):
+    hand.latch(engaged=True)
+    hand.ask()
+    hand.latch(engaged=False)
+    hand.wait(paused_s)
+    hand._take(*ending.lose_time(hand.leases, hand.now, 5.0))
+    hand.now = 5.0
+    hand.wait(0.01)
+    assert hand.refusal() == code
+
+
 @pytest.mark.parametrize(
     ("fields", "code", "about"),
     [
