@@ -75,6 +75,7 @@ class RoboteqScript:
         self.times: list[float] = []
         self.motor = (0, 0)
         self.latched = False
+        self.reads, self.unread = True, b""
         self.deaf_to_settings = False
         self.echo_always: bool | None = None
         self.answer: Callable[[str], bytes | None] = lambda _line: None  # None: as usual
@@ -83,14 +84,20 @@ class RoboteqScript:
     def motor_commands(self) -> list[str]:
         return [line for line in self.log if line.startswith("!")]
 
-    def hear(self, data: bytes) -> bytes:
+    def poll(self, _now: float) -> bytes:
+        return b""
+
+    def feed(self, data: bytes, now: float) -> bytes:
         """Return what is answered to the lines that are whole."""
+        if not self.reads:
+            self.unread += data
+            return b""
         *lines, self._buffer = (self._buffer + data).split(b"\r")
         answers = b""
         for line in lines:
             text = line.decode("ascii", "replace")
             self.log.append(text)
-            self.times.append(time.monotonic())
+            self.times.append(now)
             echo = self.settings["ECHOF"] == 0 if self.echo_always is None else self.echo_always
             answer = self.answer(text)
             answers += (line + b"\r" if echo else b"") + self._reply(text) if answer is None else answer
@@ -143,7 +150,7 @@ class ScriptedRoboteq(RoboteqScript, Pty):
         while not self._stop.wait(0.001):
             with suppress(OSError, ValueError):  # it was unplugged
                 while select.select([self.master], [], [], 0.005)[0]:
-                    os.write(self.master, self.hear(os.read(self.master, 4096)))
+                    os.write(self.master, self.feed(os.read(self.master, 4096), time.monotonic()))
 
     def _babble(self, noise: bytes) -> None:
         while not self._stop.is_set():

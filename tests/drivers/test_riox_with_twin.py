@@ -13,48 +13,23 @@ from lbr.errors import DeviceError
 from lbr.simulation.devices.riox import RioxFaults, RioxRow
 from lbr.simulation.devices.riox.twin import RioxDevice
 from lbr.simulation.measured import ImuReading
+from tests.drivers.memory_line import MemoryLine
 
 FELT = ImuReading(
     gyro_rps=(0.5, -0.25, 2.0), accel_mps2=(1.0, -2.0, 9.5), mag_ut=(20.0, -5.0, -43.0), temperature_c=31.0
 )
 
 
-class Wire:
-    """A line between the two, whose time is the test's."""
-
-    def __init__(self, device):
-        self.device = device
-        self.now = 100.0
-        self.came = b""
-
-    def read(self, wait_s=0.0):
-        data, self.came = self.came + self.device.poll(self.now), b""
-        return data
-
-    def write(self, data):
-        self.came += self.device.feed(data, self.now)
-        return len(data)
-
-    def drop_input(self):
-        self.read()
-
-    def drop_output(self):
-        pass
-
-    def close(self):
-        pass
-
-
 def converse(seconds, *, faults=None, echoes=True, **settings):
     device = RioxDevice(RioxRow(echo=echoes, faults=faults or RioxFaults()))
-    wire = Wire(device)
+    line = MemoryLine(device)
     row = KIND.settings(device="imu", **settings)
-    unit = AhrsUnit(wire, row, lambda _kind, _text: None, LifeSigns(MOST_ALIKE), lambda: wire.now)
+    unit = AhrsUnit(line, row, lambda _kind, _text: None, LifeSigns(MOST_ALIKE), line.clock)
     unit.open()
     samples = []
     for turn in range(round(seconds * 100)):
-        wire.now += 0.01
-        device.feel(msgspec.structs.replace(FELT, temperature_c=31.0 + turn % 7 / 10), wire.now)
+        line.time.now += 0.01
+        device.feel(msgspec.structs.replace(FELT, temperature_c=31.0 + turn % 7 / 10), line.clock())
         samples += unit.poll()
     return samples
 

@@ -9,53 +9,10 @@ from lbr.drivers.wheels.capability import Wheels
 from lbr.messages.motors import MotorSetpoint
 from lbr.simulation.devices.roboteq.device import RoboteqDevice
 from lbr.testing import FakeContext
+from tests.drivers.memory_line import MemoryLine
 
 STEP_S = 1.0 / Wheels.rate_hz
-READ_S = 0.0005
 DEVICE = Device("motors", "roboteq", "memory", {})
-
-
-class MemoryLine:
-    """The line: `written` is what left the driver, and when; `unheard` never arrives, and `misread` arrives otherwise."""
-
-    def __init__(self, ctx: FakeContext, device: RoboteqDevice) -> None:
-        self.device = device
-        self.written: list[tuple[float, bytes]] = []
-        self.unheard: tuple[bytes, ...] = ()
-        self.misread: dict[bytes, bytes] = {}
-        self.closed = False
-        self._ctx = ctx
-        self._came = b""
-
-    def fileno(self) -> int:
-        return -1
-
-    def write(self, data: bytes) -> int:
-        self.written.append((self._ctx.now, data))
-        if data not in self.unheard:
-            self._came += self.device.feed(data, self._ctx.now)
-        return len(data)
-
-    def read(self, wait_s: float = 0.0) -> bytes:
-        until = self._ctx.now + wait_s
-        while not (data := self._heard()) and self._ctx.now < until:
-            self._ctx.now = min(until, self._ctx.now + READ_S)
-        for said, instead in self.misread.items():
-            data = data.replace(said, instead)
-        return data
-
-    def drop_output(self) -> None:
-        pass
-
-    def drop_input(self) -> None:
-        self._came = b""
-
-    def close(self) -> None:
-        self.closed = True
-
-    def _heard(self) -> bytes:
-        data, self._came = self._came + self.device.poll(self._ctx.now), b""
-        return data
 
 
 class AnsweringLine:
@@ -82,7 +39,7 @@ class MemoryWheels(Wheels[RoboteqSettings]):
 
     def __init__(self, ctx: FakeContext) -> None:
         super().__init__(ctx)
-        self.line = MemoryLine(ctx, RoboteqDevice())
+        self.line = MemoryLine(RoboteqDevice(), ctx)
 
     def connect(self, device: Device, beat: Any) -> Controller:
         del device
