@@ -164,10 +164,6 @@ def test_rows_that_do_not_validate_are_refused_with_package_and_row_and_all_othe
 
 DECLARATIONS = {
     "does not import": ("import nothing_like_this", "does not load: ModuleNotFoundError"),
-    "ends the process": ("raise SystemExit(3)", "does not load: SystemExit: 3"),
-    "is no Python": ("def (:", "does not load: SyntaxError"),
-    "declares nothing": ("", "does not load: AttributeError"),
-    "declares something else": ("ROBOT = 3", "is no Robot(…)"),
     "calls itself otherwise": (DECLARED.replace('"{name}"', '"other"'), "it calls itself 'other'"),
     "brings no rows": ("from lbr.robot import Robot\nROBOT = Robot(name='{name}', summary='')", "'rows' is missing"),
     "names a file that is not there": (DECLARED.replace("rows.sql", "none.sql"), "which is not there"),
@@ -186,20 +182,6 @@ def test_a_robot_that_cannot_be_used_is_told_with_its_package_and_all_others_run
     assert (done.returncode, done.stdout) == (2, "")
     assert why in done.stderr
     assert lbr("db", "init").returncode == 0
-
-
-@pytest.mark.parametrize(
-    ("requires", "why"),
-    [
-        (("lbr>=99",), "it requires lbr >=99, and this is lbr "),
-        (("click", "LBR<0.0.1"), "it requires lbr <0.0.1, and this is lbr "),
-        (("lbr ~~ 1",), "which cannot be read"),
-    ],
-)
-def test_a_package_for_another_version_of_lbr_is_refused(site, lbr, robots, requires, why):
-    robot_package(site, requires=requires)
-    assert why in robots()["crawler"]["fault"]
-    assert why in lbr("run", "crawler", "--no-console").stderr
 
 
 def test_a_package_for_this_version_and_one_that_asks_only_elsewhere_are_taken(site, robots):

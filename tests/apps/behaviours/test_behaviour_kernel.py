@@ -459,44 +459,6 @@ def test_the_first_lbrs_dock_table_goes_where_it_always_went(state, values, want
     assert stage.run.state == wanted
 
 
-RECORDED = [
-    ({"heading": 20.0, "Forward": 120.0}, "Initial Orientation", "the turn to 95 degrees"),
-    ({"heading": 95.0, "Forward": 230.0}, "Way Point 1", "ahead to 40 cm"),
-    ({"heading": 95.0, "Forward": 44.0}, "Facing Dock", "too far: a bit more"),
-    ({"heading": 95.0, "Forward": 40.0}, "Facing Dock", "the turn to 336 degrees"),
-    ({"heading": 350.0, "Forward": 200.0, "Right": 30.0}, "Approaching", "not turned far enough"),
-    ({"heading": 336.0, "Forward": 200.0, "Right": 30.0}, "Approaching", "ahead along the wall"),
-    ({"heading": 336.0, "Forward": 38.0, "Right": 30.0}, "Dock Orientation", "too near: back a bit"),
-    ({"heading": 336.0, "Forward": 41.0, "Right": 30.0}, "Dock Orientation", "the turn to 175 degrees"),
-    ({"heading": 160.0, "Dock Left": 1.0, "Dock Right": 1.0}, "Signal Lock", "not turned far enough"),
-    ({"heading": 174.0, "Dock Left": 1.0, "Dock Right": 1.0}, "Signal Lock", "back for 5 s"),
-    ({"Rear": 30.0, "Amps Left": 0.0, "Amps Right": 0.0, "Volts": 12.2}, "Contact", "it stands before the dock"),
-    ({"heading": 175.0, "Dock Left": 1.0, "Dock Right": 1.0}, "Signal Lock", "back again"),
-    ({"Rear": 14.0, "Amps Left": -5.4, "Amps Right": -5.2, "Volts": 12.2}, "Contact", "it pushes"),
-    ({"Rear": 14.0, "Amps Left": 0.0, "Amps Right": 0.0, "Volts": 12.4}, "Verifying", "it waits for the charger"),
-    ({"Rear": 14.0, "Amps Left": 0.0, "Amps Right": 0.0, "Volts": 12.9}, "Verifying", "it charges"),
-]
-"""A whole way of the first lbr: its telemetry while it was in a state, and what came of it there."""
-
-
-def test_the_first_lbrs_dock_table_goes_the_first_lbrs_whole_way():
-    content = Path("docs/examples/behaviours/autodock.csv").read_bytes()
-    found = compile_table(BehaviourTable(name="autodock"), files.read(content, "autodock", json=False).rows).table
-    assert found is not None
-    stage, seen = Stage(found._replace(start="Initial Orientation")), []
-    for values, state, _ in RECORDED:
-        stage.values, before = dict(values), stage.run.transitions
-        seen.append(stage.run.state)
-        for _ in range(400):
-            if stage.run.transitions != before or stage.run.over is not None:
-                break
-            stage.tick()
-        assert stage.run.state, state
-    stage.play(5.0)
-    assert seen == [state for _, state, _ in RECORDED]
-    assert (stage.run.state, stage.run.good) == ("Dock Verified", True)
-
-
 @given(
     st.lists(
         st.tuples(

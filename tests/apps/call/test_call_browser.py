@@ -5,11 +5,11 @@ from typing import Any
 
 import pytest
 
-from tests.support import browsers, needs
+from tests.support import needs
 
 needs.modules("playwright", "aiortc")
 
-from playwright.sync_api import Browser, Page, expect, sync_playwright  # noqa: E402
+from playwright.sync_api import Browser, Page, expect  # noqa: E402
 
 from tests.apps.call.call_robot import CallRobot  # noqa: E402
 from tests.apps.web.page_robot import page_robot, token  # noqa: E402
@@ -18,7 +18,7 @@ from tests.apps.web.test_page_tasks import AXE, FOUND  # noqa: E402
 pytestmark = [needs.program("chromium", "chromium")]
 PATIENT_MS = 20_000
 """A browser that encodes and decodes on a busy machine is slow; nothing here is about how fast."""
-ARGS = (
+ARGUMENTS = (
     "--no-sandbox",
     "--disable-gpu",
     "--use-fake-ui-for-media-stream",
@@ -27,14 +27,6 @@ ARGS = (
     "--autoplay-policy=no-user-gesture-required",
 )
 PLAYS = "(chosen) => { const one = document.querySelector(chosen); return one && one.videoWidth > 0 && one.currentTime > 0.2; }"
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with sync_playwright() as started:
-        found = browsers.start(started, *ARGS)
-        yield found
-        found.close()
 
 
 @pytest.fixture(scope="module")

@@ -195,9 +195,8 @@ def test_a_person_stops_an_agent_and_it_is_told_by_whom(running, home):
     until(lambda: wheels(running) == (0.0, 0.0))
 
 
-@pytest.mark.parametrize("mode", ["auto", "legacy"])
-def test_an_agent_that_is_killed_moves_nothing(mode, running, home):
-    with agent(running, mode, [*robots.LBR, "mcp"]) as popen:
+def test_an_agent_that_is_killed_moves_nothing(running, home):
+    with agent(running, "auto", [*robots.LBR, "mcp"]) as popen:
         until(lambda: turning(running))
         popen.kill()
         until(lambda: wheels(running) == (0.0, 0.0))

@@ -263,26 +263,6 @@ def test_its_own_stop_has_the_head_hold(world):
     world.tracking.command(FakeCall("stop", StopCommand(), source="tester"))
 
 
-def test_a_fault_of_the_joints_ends_it(world):
-    world.ball = Angles(0.4, 0.2)
-    begin(world)
-    world.run(0.15)
-    world.end("neck_yaw is overloaded")
-    world.run(1.0)
-    assert world.state.reason == "neck_yaw is overloaded"
-
-
-def test_whoever_takes_the_joints_over_ends_it(world):
-    world.ball = Angles(0.4, 0.2)
-    begin(world)
-    world.run(0.15)
-    world.end("taken over by console")
-    world.holder = "console"
-    world.run(1.0)
-    assert not world.state.following
-    assert "taken over by console" in world.state.reason
-
-
 def test_it_does_not_begin_while_somebody_else_has_the_joints(world):
     world.holder = "web"
     call = begin(world)

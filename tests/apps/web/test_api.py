@@ -299,11 +299,6 @@ def test_a_part_that_is_not_there_is_not_found(served):
     assert (answer.status, answer.json["code"]) == (404, "unknown_name")
 
 
-def test_the_robots_own_user_says_lines_as_administrator(served):
-    served.bus.answers[f"{CONSOLE}/admin"] = lambda _said: ConsoleResult(code=0, text="done")
-    assert served.ask("POST", "/api/console", {"line": "status"}).json["text"] == "done"
-
-
 def test_another_user_of_this_machine_only_looks(served, monkeypatch):
     found = Access.client
     monkeypatch.setattr(Access, "client", lambda *args, **said: found(*args, **{**said, "owner": False}))

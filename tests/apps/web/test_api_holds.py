@@ -141,14 +141,6 @@ def test_a_hand_that_resumes_does_not_go_on_with_what_another_has_stopped_meanwh
     assert bench.lender.moving
 
 
-def test_nothing_is_renewed_for_a_silent_page(bench):
-    hand = bench.hand()
-    bench.want(hand, 1)
-    said = hand.wish.at
-    bench.run(2.0)
-    assert max(at for at, _, _ in bench.lender.moves) <= said + SILENT_S
-
-
 def test_keeping_begins_nothing_again(bench):
     hand = bench.hand()
     bench.want(hand, 1)
@@ -156,15 +148,6 @@ def test_keeping_begins_nothing_again(bench):
     before = len(bench.lender.moves)
     bench.run(1.0, (hand, 1))
     assert len(bench.lender.moves) == before
-
-
-def test_a_new_wish_after_silence_begins_again(bench):
-    hand = bench.hand()
-    bench.want(hand, 1)
-    bench.run(0.5)
-    bench.want(hand, 2)
-    assert bench.lender.moving
-    assert (last(hand).n, last(hand).holds) == (2, True)
 
 
 def test_the_speed_that_the_age_of_its_words_leaves_holds_from_the_first_on_and_is_told_once(bench):

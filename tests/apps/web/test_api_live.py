@@ -16,7 +16,6 @@ from lbr.apps.http import serving
 from lbr.apps.web import viewing
 from lbr.apps.web.api.link_age import FULL_S
 from lbr.apps.web.page import files
-from lbr.messages.leases import CommandReply
 from lbr.messages.system import Event
 from tests.apps.web.api_stage import STANDS, status
 from tests.apps.web.test_api import USERS, api
@@ -332,22 +331,6 @@ def test_who_reads_nothing_loses_its_hand_all_the_same_and_is_cut(served, monkey
         assert served.ask("GET", "/state").status == 200
 
 
-@pytest.mark.parametrize(
-    ("headers", "status"),
-    [
-        ({"Origin": "http://evil.example"}, 403),
-        ({"Authorization": "Bearer x.y.z"}, 401),
-    ],
-)
-def test_who_may_not_gets_no_socket(served, headers, status):
-    with (
-        pytest.raises(InvalidStatus) as refused,
-        connect(f"ws://127.0.0.1:{served.port}/api/live", additional_headers=headers),
-    ):
-        pass
-    assert refused.value.response.status_code == status
-
-
 def test_sockets_of_both_kinds_are_counted_together(served):
     with contextlib.ExitStack() as open_:
         for number in range(viewing.MOST_OF_ONE):
@@ -368,14 +351,6 @@ def test_the_end_of_the_server_lets_go_and_says_so():
         assert served.bus.lent.halts
         assert served.bus.closed
         assert ending(lambda: one.recv(timeout=3.0)) in {None, 1001}
-
-
-def test_a_refusal_of_the_robot_is_told_with_its_reason(served):
-    served.bus.lent.refusal = CommandReply(accepted=False, code="obstacle", reason="a wall is ahead")
-    with page(served) as one:
-        one.say(hold=FORWARD)
-        told = one.hold(n=1, holds=False)
-        assert (told["code"], told["reason"]) == ("obstacle", "a wall is ahead")
 
 
 def test_a_page_hears_first_which_page_the_robot_has():

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.support import browsers, needs
+from tests.support import needs
 from tests.support.robot import prepare, running
 from tests.support.waiting import until
 
 needs.modules("playwright")
 
-from playwright.sync_api import Locator, Page, expect, sync_playwright  # noqa: E402
+from playwright.sync_api import Locator, Page, expect  # noqa: E402
 
 pytestmark = [needs.program("chromium", "chromium"), pytest.mark.slow_start]
 SLOWLY_MS = 20_000
@@ -45,15 +45,6 @@ def robot():
     ):
         until(lambda: one.capability("behaviour")["phase"] == one.capability("web")["phase"] == "ready")
         yield one
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with sync_playwright() as started:
-        expect.set_options(timeout=SLOWLY_MS)
-        found = browsers.start(started)
-        yield found
-        found.close()
 
 
 @pytest.fixture

@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from tests.support import browsers, needs
+from tests.support import needs
 from tests.support.browsers import within
 
 needs.modules("playwright")
 
-from playwright.sync_api import Browser, Page, expect, sync_playwright  # noqa: E402
+from playwright.sync_api import Page, expect  # noqa: E402
 
 from tests.apps.web.jointed_robot import JointedRobot  # noqa: E402
 from tests.apps.web.page_robot import page_robot  # noqa: E402
@@ -30,16 +30,9 @@ SOLID = "localStorage.setItem('lbr.solid', 'true')"
 """This browser's user chose three dimensions, which no graphics card draws here."""
 FLAT = "localStorage.setItem('lbr.solid', 'false')"
 NO_WEBGL = "HTMLCanvasElement.prototype.getContext = () => null"
-SOFT = ("--no-sandbox", "--enable-unsafe-swiftshader")
+ARGUMENTS = ("--no-sandbox", "--enable-unsafe-swiftshader")
 LONG_MS = 20_000
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with sync_playwright() as started:
-        found = browsers.start(started, *SOFT)
-        yield found
-        found.close()
+both = pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
 
 
 @pytest.fixture(scope="module")
@@ -136,8 +129,9 @@ def test_a_slider_sends_a_joint_to_its_goal_where_it_is_green(opened, robot):
     assert within(page, lambda: robot.holder is None)
 
 
-def test_a_number_is_sent_within_the_limits_and_not_beyond(opened, robot):
-    page = opened("joints", DESK, FLAT)
+@both
+def test_a_number_is_sent_within_the_limits_and_not_beyond(opened, robot, size):
+    page = opened("joints", size, FLAT)
     number = page.locator('.joints-row[data-joint="right_elbow"] .joints-number')
     number.fill("900")
     expect(number).to_have_attribute("aria-invalid", "true")
@@ -165,8 +159,9 @@ def test_a_slider_under_a_finger_does_not_heed_what_was_measured(opened, robot):
     page.mouse.up()
 
 
-def test_releasing_all_is_asked_before_and_one_side_is_not(opened, robot):
-    page = opened("joints", DESK, FLAT)
+@both
+def test_releasing_all_is_asked_before_and_one_side_is_not(opened, robot, size):
+    page = opened("joints", size, FLAT)
     page.get_by_role("button", name="Switch all off").click()
     dialog = page.get_by_role("dialog")
     expect(dialog).to_contain_text("falls")
@@ -258,8 +253,9 @@ def test_a_refusal_has_the_button_that_mends_it(opened, robot):
     assert robot.held[-1]["message"]["take_over"] is True
 
 
-def test_a_motion_is_played_and_ended_and_moves_no_button_away(opened, robot):
-    page = opened("motions", PHONE)
+@both
+def test_a_motion_is_played_and_ended_and_moves_no_button_away(opened, robot, size):
+    page = opened("motions", size)
     place = "document.querySelector('.motions-list').offsetTop"
     page.get_by_role("radio", name="Build").wait_for()
     stands = page.evaluate(place)
@@ -483,7 +479,7 @@ def test_torque_that_nobody_has_read_is_shown_as_unknown(opened, robot):
     expect(summary.get_by_role("button", name="Switch all off")).to_be_enabled()
 
 
-@pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
+@both
 def test_a_robot_that_lies_is_shown_above_every_view_with_what_gets_it_up(opened, robot, size):
     robot.fallen = "face"
     page = opened("system", size)

@@ -15,7 +15,7 @@ from tests.support.waiting import STOPS_S, until
 
 needs.modules("playwright")
 
-from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright  # noqa: E402
+from playwright.sync_api import Browser, BrowserContext, Page, expect  # noqa: E402
 
 pytestmark = [needs.program("chromium", "chromium")]
 REFUSED = ("401", "403", "HTTP Authentication failed")
@@ -46,14 +46,6 @@ UNNAMED = """() => [...document.querySelectorAll("button, a, input, select, [rol
 SMALL = """() => [...document.querySelectorAll("button, select, input:not([type=range]):not([type=checkbox]), .nav a")]
   .filter((one) => one.offsetParent !== null).map((one) => [one.className, one.getBoundingClientRect()])
   .filter(([, box]) => Math.min(box.width, box.height) < 37.5).map(([name, box]) => `${name} ${box.width}x${box.height}`)"""
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with sync_playwright() as started:
-        found = browsers.start(started)
-        yield found
-        found.close()
 
 
 @pytest.fixture(scope="module")
@@ -414,8 +406,9 @@ def test_a_code_for_a_phone_that_is_over_is_renewed_on_a_press(opened, robot):
     expect(dialog.get_by_text("654 321")).to_be_visible()
 
 
-def test_a_refusal_is_told_by_its_code_and_sentence_and_who_holds_it_can_be_followed(opened, robot):
-    page = opened.page()
+@both
+def test_a_refusal_is_told_by_its_code_and_sentence_and_who_holds_it_can_be_followed(opened, robot, size):
+    page = opened.page(size)
     robot.refusal = {"code": "held", "reason": "console holds it", "holder": "console"}
     grip(page)
     expect(page.locator(".drive-why")).to_contain_text("console drives")
@@ -468,9 +461,10 @@ def test_what_holds_the_base_still_is_the_robots_own_answer(opened, robot):
     expect(page.locator(".drive-because")).to_have_count(0)
 
 
-def test_moves_that_end_by_themselves_are_kept_until_they_do(opened, robot):
+@both
+def test_moves_that_end_by_themselves_are_kept_until_they_do(opened, robot, size):
     robot.lasts_s = math.inf
-    page = opened.page()
+    page = opened.page(size)
     page.get_by_role("button", name="Turn 90°", exact=True).click()
     assert within(page, lambda: robot.moves and robot.held[-1] == {"to": "drive/turn", "message": {"angle_deg": 90}})
     page.wait_for_timeout(350)
@@ -481,8 +475,9 @@ def test_moves_that_end_by_themselves_are_kept_until_they_do(opened, robot):
     assert within(page, lambda: ("console", {"line": "autodock"}) in robot.asked)
 
 
-def test_it_speaks_texts_and_phrases(opened, robot):
-    page = opened.page()
+@both
+def test_it_speaks_texts_and_phrases(opened, robot, size):
+    page = opened.page(size)
     page.get_by_label("What the robot says").fill("Good morning")
     page.keyboard.press("Enter")
     assert within(page, lambda: ("speech/say", {"text": "Good morning"}) in robot.asked)

@@ -12,9 +12,9 @@ needs.modules("playwright")
 
 from playwright.sync_api import Page, expect  # noqa: E402
 
-from tests.apps.web.test_page_browser import HIDE, browser, grip, opened, robot, served, stands  # noqa: E402
+from tests.apps.web.test_page_browser import HIDE, grip, opened, robot, served, stands  # noqa: E402
 
-__all__ = ["browser", "opened", "robot", "served"]
+__all__ = ["opened", "robot", "served"]
 pytestmark = [needs.program("chromium", "chromium")]
 
 

@@ -17,7 +17,7 @@ from tests.support.browsers import within
 
 needs.modules("playwright")
 
-from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright  # noqa: E402
+from playwright.sync_api import Browser, Locator, Page, expect  # noqa: E402
 
 from tests.apps.web.jointed_robot import JointedRobot  # noqa: E402
 from tests.apps.web.page_robot import page_robot  # noqa: E402
@@ -105,13 +105,10 @@ class House:
 
 
 @pytest.fixture(scope="module")
-def house() -> Iterator[House]:
-    with sync_playwright() as started:
-        browser = browsers.start(started)
-        found = House(browser)
-        yield found
-        found.close()
-        browser.close()
+def house(browser) -> Iterator[House]:
+    found = House(browser)
+    yield found
+    found.close()
 
 
 @pytest.fixture(scope="module", params=list(SIZES))
@@ -139,18 +136,6 @@ def press(page: Page, name: str | re.Pattern[str], **more: Any) -> None:
     page.get_by_role("button", name=name, **more).first.click()
 
 
-def push(page: Page) -> None:
-    """Put a finger on the stick and push it ahead."""
-    stick = page.get_by_role("application", name=re.compile("^Joystick"))
-    stick.hover(trial=True)  # until it stays where it is
-    box = stick.bounding_box()
-    assert box is not None
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    page.mouse.move(x, y)
-    page.mouse.down()
-    page.mouse.move(x, y - 0.3 * box["height"], steps=3)
-
-
 def asked(page: Page) -> Locator:
     return page.get_by_role("dialog")
 
@@ -158,86 +143,11 @@ def asked(page: Page) -> Locator:
 # on wheels
 
 
-def test_pair_by_the_six_digits(house, size):
-    page = house.own_page("lbr", size, "/", browsers.ELSEWHERE)
-    page.get_by_label("Six digits").fill("123 456")
-    press(page, "Pair")
-    expect(page.get_by_role("application")).to_be_visible(timeout=LONG_MS)
-    page.context.close()
-
-
 def test_pair_by_the_link_of_the_code(house, size):
     page = house.own_page("lbr", size, "/#pair=123456", browsers.ELSEWHERE)
     expect(page.get_by_role("application")).to_be_visible(timeout=LONG_MS)
     assert "123456" not in page.url
     page.context.close()
-
-
-def test_drive_ahead_by_the_stick(at):
-    page, robot = at("lbr", "drive")
-    push(page)
-    assert within(page, lambda: robot.moves and robot.held[-1]["to"] == "drive/command")
-    page.mouse.up()
-    assert within(page, lambda: not robot.moves)
-
-
-def test_send_it_to_its_dock(at):
-    page, robot = at("lbr", "drive")
-    press(page, "Dock")
-    assert within(page, lambda: ("console", {"line": "autodock"}) in robot.asked)
-
-
-def test_stop_it_from_a_second_phone(house, at):
-    page, robot = at("lbr", "drive")
-    push(page)
-    assert within(page, lambda: robot.moves)
-    second = house.own_page("lbr", "phone", "/#drive")
-    press(second, re.compile("^Stop.* the robot"))
-    assert within(second, lambda: not robot.moves and ("stop", None) in robot.asked)
-    second.context.close()
-    page.mouse.up()
-
-
-def test_latch_the_emergency_stop_and_release_it(at):
-    page, robot = at("lbr", "drive")
-    box = page.get_by_role("button", name=re.compile("^Stop.* the robot")).bounding_box()
-    assert box is not None
-    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-    page.mouse.down()
-    assert within(page, lambda: ("estop", None) in robot.asked)
-    page.mouse.up()
-    page.get_by_role("alert").get_by_role("button", name="Release").click()
-    asked(page).get_by_role("button", name="Release").click()
-    assert within(page, lambda: ("reset", None) in robot.asked)
-
-
-def test_turn_it_by_90_degrees(at):
-    page, robot = at("lbr", "drive")
-    press(page, "Turn 90°", exact=True)
-    assert within(page, lambda: robot.held and robot.held[-1]["message"] == {"angle_deg": 90})
-    assert within(page, lambda: not robot.moves)
-
-
-def test_have_it_say_a_sentence(at):
-    page, robot = at("lbr", "drive")
-    page.get_by_label("What the robot says").fill("Dinner is ready")
-    press(page, "Say it")
-    assert within(page, lambda: ("speech/say", {"text": "Dinner is ready"}) in robot.asked)
-
-
-def test_play_a_phrase(at):
-    page, robot = at("lbr", "drive")
-    press(page, "hello")
-    assert within(page, lambda: ("speech/say", {"phrase": "hello", "language": "en"}) in robot.asked)
-
-
-def test_find_out_why_it_does_not_move(at):
-    page, robot = at("lbr", "drive")
-    robot.refusal = {"code": "obstacle", "reason": "forward reads 18 cm"}
-    push(page)
-    expect(page.get_by_text("Something is in the way")).to_be_visible()
-    expect(page.get_by_text("forward reads 18 cm")).to_be_visible()
-    page.mouse.up()
 
 
 def test_find_the_part_that_is_not_well(at):
@@ -291,14 +201,6 @@ def test_have_the_page_speak_german_in_a_light_room(house, size, at):
 # humanoids
 
 
-def test_have_it_wave(at):
-    page, robot = at("bioloid", "motions")
-    press(page, "Play wave", exact=True)
-    assert within(page, lambda: robot.playing == "wave")
-    press(page, "End it")
-    assert within(page, lambda: not robot.playing)
-
-
 @needs_mujoco
 def test_build_a_bow_and_have_it_played(at):
     page, robot = at("bioloid", "motions")
@@ -316,26 +218,6 @@ def test_build_a_bow_and_have_it_played(at):
     frames = robot.held[-1]["message"]["frames"]
     assert frames[-1]["positions"]["left_hip_pitch"] == pytest.approx(-0.0873, abs=0.01)
     page.get_by_role("radio", name="Play", exact=True).click()
-
-
-def test_release_one_side_at_once_and_all_only_when_asked(at):
-    page, robot = at("bioloid", "joints")
-    press(page, "Switch off: Left")
-    assert within(page, lambda: robot.asked and not robot.torque["left_elbow"] and robot.torque["right_elbow"])
-    assert asked(page).count() == 0
-    press(page, "Switch all off")
-    assert robot.torque["right_elbow"]
-    asked(page).get_by_role("button", name="Switch all off").click()
-    assert within(page, lambda: not any(robot.torque.values()))
-    press(page, "Switch all on")
-    assert within(page, lambda: all(robot.torque.values()))
-
-
-def test_bend_an_elbow_by_a_number(at):
-    page, robot = at("bioloid", "joints")
-    page.get_by_label("Angle of right elbow in degrees").fill("-20")
-    page.keyboard.press("Enter")
-    assert within(page, lambda: abs(robot.angles["right_elbow"] + 0.349) < 0.03)
 
 
 def test_arm_the_shutdown_guard(at):

@@ -10,13 +10,13 @@ from pathlib import Path
 import pytest
 
 from lbr.testing.device import plugged
-from tests.support import browsers, needs
+from tests.support import needs
 from tests.support.robot import Robot, lbr, prepare, running
 from tests.support.waiting import until
 
 needs.modules("playwright")
 
-from playwright.sync_api import Page, expect, sync_playwright  # noqa: E402
+from playwright.sync_api import Page, expect  # noqa: E402
 
 pytestmark = [needs.program("chromium", "chromium"), pytest.mark.slow_start]
 SLOWLY_MS = 20_000
@@ -31,14 +31,6 @@ def robot():
     ):
         until(lambda: one.capability("web")["phase"] == "ready")
         yield one
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with sync_playwright() as started:
-        found = browsers.start(started)
-        yield found
-        found.close()
 
 
 @pytest.fixture(params=[(390, 844), (1280, 900)], ids=["phone", "desktop"])

@@ -189,7 +189,9 @@ def test_one_asker_cannot_take_every_place_to_watch():
 
         def watch(name: str = "") -> None:
             protocols = ["lbr.state", f"bearer.{name}.{SECRET}.{FINGERPRINT}"] if name else None
-            stack.enter_context(connect(url, subprotocols=protocols)).recv(timeout=HANG_S)
+            viewer = stack.enter_context(connect(url, subprotocols=protocols))
+            assert viewer.subprotocol == ("lbr.state" if name else None)
+            viewer.recv(timeout=HANG_S)
 
         for _ in range(viewing.MOST_OF_ONE):
             watch()

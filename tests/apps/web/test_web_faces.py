@@ -11,7 +11,6 @@ import pytest
 from lbr import plugins
 from tests.apps.web.web_stage import Served, serving
 from tests.docs.pages import ROOT
-from tests.robots.uxa90.uxa90_bench import SHIPPED
 from tests.support.packages import imported_from, package
 from tests.support.waiting import until
 
@@ -55,14 +54,14 @@ class Packages:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
-    def install(self, name: str, face: str, code: str, *, needs: str = "", entry: str = "Hello") -> None:
+    def install(self, name: str, face: str, code: str, *, needs: str = "") -> None:
         module = name.replace("-", "_")
         package(
             self._folder,
             name,
             version="1.5",
             requires=(needs,) if needs else (),
-            brings={"faces": {face: f"{module}:{entry}"}},
+            brings={"faces": {face: f"{module}:Hello"}},
             files={f"{module}.py": code},
         )
         plugins.forget()
@@ -99,24 +98,19 @@ def trouble(served: Served) -> str:
 
 
 @pytest.mark.parametrize(
-    ("code", "options", "said"),
+    ("code", "said"),
     [
-        ("import nothing_of_this_name", {}, "it does not load: ModuleNotFoundError: No module named 'nothing_of"),
-        ("def Hello(", {}, "it does not load: SyntaxError"),
-        ("raise SystemExit(3)", {}, "it does not load: SystemExit: 3"),
-        ("def Hello(robot): return 1 / 0", {}, "it cannot be made: ZeroDivisionError"),
-        ("def Hello(robot): return 7", {}, "is no Face(…), but of type int"),
-        (FACE, {"entry": "Goodbye"}, "it does not load: AttributeError"),
-        (FACE.replace('name = "hello"', 'name = "hi"'), {}, "calls itself 'hi'"),
-        (FACE.replace('"/hello"', '"/State/"'), {}, "GET /State/ is taken by the server"),
-        (FACE.replace("-> Message", "-> object"), {}, "cannot be described"),
-        (FACE.replace("def hello(self)", "def hello(self, hat)"), {}, "GET /hello takes hat, which no request has"),
-        (FACE + "    def routes(self): return 5", {}, "cannot be described"),
-        (FACE, {"needs": "lbr>=99"}, "it requires lbr >=99, and this is lbr 0.1.0"),
+        ("import nothing_of_this_name", "it does not load: ModuleNotFoundError: No module named 'nothing_of"),
+        ("def Hello(robot): return 1 / 0", "it cannot be made: ZeroDivisionError"),
+        (FACE.replace('name = "hello"', 'name = "hi"'), "calls itself 'hi'"),
+        (FACE.replace('"/hello"', '"/State/"'), "GET /State/ is taken by the server"),
+        (FACE.replace("-> Message", "-> object"), "cannot be described"),
+        (FACE.replace("def hello(self)", "def hello(self, hat)"), "GET /hello takes hat, which no request has"),
+        (FACE + "    def routes(self): return 5", "cannot be described"),
     ],
 )  # fmt: skip
-def test_a_face_that_does_not_fit_is_refused_in_words_and_the_rest_is_served(packages, code, options, said):
-    packages.install("friendly-robot", "hello", code, **options)
+def test_a_face_that_does_not_fit_is_refused_in_words_and_the_rest_is_served(packages, code, said):
+    packages.install("friendly-robot", "hello", code)
     with serving(faces=("hello",)) as served:
         told = trouble(served)
     assert said in told
@@ -126,22 +120,6 @@ def test_a_face_that_does_not_fit_is_refused_in_words_and_the_rest_is_served(pac
 def test_a_face_that_nobody_brings_is_told_with_those_there_are(packages, wording):
     with serving(faces=("hello",)) as served:
         wording(trouble(served))
-
-
-def test_a_name_that_two_packages_bring_is_neithers(packages):
-    packages.install("friendly-robot", "hello", FACE)
-    packages.install("other-robot", "hello", FACE)
-    with serving(faces=("hello",)) as served:
-        said = trouble(served)
-    assert "friendly-robot 1.5 and other-robot 1.5" in said
-
-
-def test_a_name_of_lbrs_own_stays_its(packages):
-    packages.install("other-robot", "uxa90", FACE)
-    with serving(rows=SHIPPED, faces=("uxa90",)) as served:
-        assert served.ask("GET", "/motor?id=23").status == 200
-        assert "'other-robot 1.5'" in served.stage.warned[0]
-        assert "lbr has its own 'uxa90': choose another name" in served.stage.warned[0]
 
 
 def test_a_path_that_another_face_has_is_taken(packages):

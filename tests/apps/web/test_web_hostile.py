@@ -333,12 +333,13 @@ def asked_of(served: Served, headers: dict[str, str], *requests: tuple[str, str]
         ({"Authorization": "Bearer nonsense"}, 401),
     ],
 )
-def test_a_stream_is_refused_to_foreign_pages_and_strangers(served, headers, status):
+@pytest.mark.parametrize("path", ["/ws", "/api/live"])
+def test_a_stream_is_refused_to_foreign_pages_and_strangers(served, path, headers, status):
     with socket.create_connection(("127.0.0.1", served.port), timeout=8) as client:
         lines = {"Host": "localhost", "Connection": "Upgrade", "Upgrade": "websocket"} | headers
         lines |= {"Sec-WebSocket-Version": "13", "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ=="}
         head = "".join(f"{name}: {value}\r\n" for name, value in lines.items())
-        client.sendall(f"GET /ws HTTP/1.1\r\n{head}\r\n".encode())
+        client.sendall(f"GET {path} HTTP/1.1\r\n{head}\r\n".encode())
         assert client.recv(4096).startswith(f"HTTP/1.1 {status} ".encode())
 
 

@@ -22,7 +22,7 @@ from lbr.apps.web import application
 from lbr.apps.web.addresses import url
 from lbr.apps.web.advertised_address import AdvertisedAddress
 from lbr.apps.web.announce import Announcer
-from lbr.apps.web.face import Face, Query, get, json, text
+from lbr.apps.web.face import Face, get, text
 from lbr.apps.web.guards import TOO_OFTEN_S
 from lbr.apps.web.kind import WebSettings
 from lbr.console.printable import wrapped
@@ -30,7 +30,6 @@ from lbr.errors import DeviceError
 from lbr.messages.faces import EditReply, Motor
 from lbr.messages.joints import JointsState
 from lbr.messages.leases import CommandReply
-from tests.apps.web.test_web_access import FINGERPRINT, SECRET, user
 from tests.apps.web.web_stage import Served, serving
 from tests.support.waiting import HANG_S, until
 
@@ -58,10 +57,6 @@ class Plain(Face):
     @get("/move", role="operate")
     async def _move(self) -> Response:
         return text("moved")
-
-    @get("/echo")
-    async def _echo(self, query: Query, body: bytes) -> Response:
-        return json({"body": len(body), "query": query})
 
     @get("/broken")
     async def _broken(self) -> Response:
@@ -181,13 +176,6 @@ def test_the_emergency_stop_is_engaged_whatever_its_body_is(served, body, header
     assert served.stage.engaged[-1] == (f"{said} (127.0.0.1)" if said else "by 127.0.0.1")
 
 
-def test_a_stop_is_done_whatever_its_body_is(served):
-    served.stage.asked.clear()
-    head = b"POST /stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n\r\n{"
-    assert served.raw(head).startswith(b"HTTP/1.1 200")
-    assert "halt" in {request for request, _ in served.stage.asked}
-
-
 @pytest.mark.parametrize("chunked", [False, True])
 def test_the_sender_of_a_stop_with_a_large_body_reads_the_answer(served, chunked):
     served.stage.asked.clear()
@@ -264,44 +252,8 @@ def test_who_goes_on_after_the_answer_is_cut_in_time(served, monkeypatch):
         until(cut, what="it is cut")
 
 
-def test_a_body_without_end_is_cut_where_it_is_too_large(served):
-    chunk = b"8000\r\n" + b"x" * 0x8000 + b"\r\n"
-    head = b"GET /echo HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n"
-    assert served.raw(head + chunk * 3).startswith(b"HTTP/1.1 413")
-
-
-@pytest.mark.parametrize(
-    "request_",
-    [
-        b"nonsense\r\n\r\n",
-        b"GET / HTTP/1.1\r\n\r\n",
-        b"GET / HTTP/1.1\r\nHost: a\r\nHost: b\r\n\r\n",
-        b"\x16\x03\x01\x02\x00\r\n\r\n",
-        b"GET / HTTP/1.1\r\nX: " + b"x" * 70_000,
-    ],
-)
-def test_what_is_no_request_is_answered_with_400(served, request_):
-    assert served.raw(request_).startswith(b"HTTP/1.1 400")
-    assert served.ask("GET", "/").status == 200
-
-
 def test_an_address_that_is_too_long_is_refused(served):
     assert served.ask("GET", "/" + "x" * 5000).status == 414
-
-
-@pytest.mark.parametrize(
-    ("host", "status"),
-    [
-        ("127.0.0.1", 200),
-        ("[::1]:50000", 200),
-        ("localhost:1", 200),
-        ("robot.example.org", 200),
-        ("evil.example", 421),
-        ("", 421),
-    ],
-)
-def test_a_name_that_was_made_to_lead_here_is_refused(served, host, status):
-    assert served.ask("GET", "/", headers={"Host": host}).status == status
 
 
 def test_foreign_pages_may_not_move_the_robot_and_may_link_to_pages(served):
@@ -334,21 +286,10 @@ def test_states_stream_and_the_newest_wins(served):
         until(lambda: b'"sequence":77' in viewer.recv(timeout=HANG_S).encode())
 
 
-@pytest.mark.parametrize(
-    ("path", "headers", "status"),
-    [
-        ("/ws?rate_hz=0", {}, 400),
-        ("/nope", {}, 404),
-        ("/ws", {"Origin": "http://evil.example"}, 403),
-        ("/ws", {"Authorization": "Bearer nonsense"}, 401),
-    ],
-)
-def test_a_stream_is_refused_with_a_status(served, path, headers, status):
-    with (
-        pytest.raises(InvalidStatus) as refused,
-        connect(f"ws://127.0.0.1:{served.port}{path}", additional_headers=headers),
-    ):
-        pass
+@pytest.mark.parametrize(("path", "status"), [("/ws?rate_hz=0", 400), ("/nope", 404)])
+def test_a_stream_is_refused_with_a_status(served, path, status):
+    with pytest.raises(InvalidStatus) as refused:
+        connect(f"ws://127.0.0.1:{served.port}{path}")
     assert refused.value.response.status_code == status
 
 
@@ -391,23 +332,6 @@ def test_the_address_is_told_honestly(served):
     assert " reaches http://127.0.0.1" in served.web._front.place.text()
     assert "&#x27;phone&#x27;" in served.ask("GET", "/qr").body.decode()
     assert served.ask("GET", "/qr.svg").status == 404
-
-
-def test_tokens_let_in_whom_no_network_does():
-    with serving(Plain(), users=(user("ann", "operate"), user("eve", "view"))) as served:
-        proxy = {"X-Forwarded-For": "8.8.8.8"}
-        assert served.ask("GET", "/", headers=proxy).status == 200
-        assert served.ask("GET", "/state", headers=proxy).status == 401
-        nobody = served.ask("GET", "/move", headers=proxy)
-        assert (nobody.status, nobody.headers["www-authenticate"]) == (401, 'Bearer realm="lbr"')
-        shown = {name: f"{name}.{SECRET}.{FINGERPRINT}" for name in ("ann", "eve")}
-        assert served.ask("GET", "/move", headers={"Authorization": f"Bearer {shown['ann']}"}).status == 200
-        assert served.ask("GET", "/move", headers={"Authorization": f"Bearer {shown['eve']}"}).status == 403
-        assert served.ask("POST", "/stop", headers={"Authorization": f"Bearer {shown['eve']}"}).status == 200
-        url = f"ws://127.0.0.1:{served.port}/ws"
-        with connect(url, subprotocols=["lbr.state", f"bearer.{shown['eve']}"]) as viewer:
-            assert viewer.subprotocol == "lbr.state"
-            assert "uxa90" in viewer.recv(timeout=HANG_S)
 
 
 def test_whoever_asks_too_often_waits_and_may_stop_all_the_same():

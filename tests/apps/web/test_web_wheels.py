@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from tests.apps.web.test_web_connections import MANY, burdened
+from tests.apps.web.test_web_connections import BURDENS, MANY, burdened
 from tests.support import programs
 from tests.support.robot import Robot, lbr, prepare, running
 from tests.support.trace import Trace
@@ -95,11 +95,8 @@ def test_state_has_what_the_rows_wire_and_nothing_else(wheels):
     assert {path for path in document["paths"] if not path.startswith("/api")} == builtin | faces
 
 
-@pytest.mark.parametrize(
-    "held", [b"", b"POST /stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9\r\n\r\n{"], ids=["idle", "half a stop"]
-)
-def test_a_stop_stops_the_wheels_whatever_others_hold_open(wheels, held):
-    with wheels.driven(), burdened(wheels.port, held, MANY):
+def test_a_stop_stops_the_wheels_whatever_others_hold_open(wheels):
+    with wheels.driven(), burdened(wheels.port, BURDENS["half a stop"], MANY):
         answer = wheels.ask("POST", "/stop")
         assert answer == (200, {"message": "stopped"}), f"STOPPED {answer}"
         until(lambda: not wheels.turns(), limit_s=STOPS_S, what="wheels that stand")
@@ -108,7 +105,7 @@ def test_a_stop_stops_the_wheels_whatever_others_hold_open(wheels, held):
 
 
 def test_the_emergency_stop_holds_the_wheels_until_it_is_released(wheels):
-    with wheels.driven(), burdened(wheels.port, b"", MANY):
+    with wheels.driven():
         status, answer = wheels.ask("POST", "/estop", {"reason": "smoke"})
         assert (status, answer["engaged"], answer["noticed"]) == (200, True, True)
         until(lambda: not wheels.turns(), limit_s=STOPS_S, what="wheels that stand")

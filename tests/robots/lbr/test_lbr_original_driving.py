@@ -285,15 +285,6 @@ def test_what_ends_by_itself_goes_on_without_its_client_but_not_for_ever(bench, 
     assert not bench.ctx.live
 
 
-def test_a_client_that_attended_to_a_turn_and_is_gone_is_lost(bench):
-    bench.ask(TURN)
-    for _ in range(3):
-        bench.run(0.5)
-        bench.driver.beat(ME)
-    bench.run(1.6)
-    assert not bench.ctx.live
-
-
 def test_a_goal_that_is_reached_is_over(bench):
     bench.ask(TURN)
     bench.robot.moved = (GoalResult(goal="goal-1", result="reached", reason="turned 90", elapsed_s=2.0),)
