@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lbr.apps.motions.commands import motion_files
-from lbr.database import store
 from lbr.errors import InputError
 from lbr.messages.joints import KeyFrame, Motion
 from lbr.robots.bioloid import motion_file, mtn
@@ -52,11 +51,8 @@ def plain(file: MtnFile) -> MtnFile:
 
 
 @pytest.fixture(scope="module")
-def rows(tmp_path_factory):
-    path = tmp_path_factory.mktemp("database") / "robot.db"
-    databases.fresh(path)
-    with store.Database.open(path) as database:
-        return {name: database.load(name) for name in database.robots()}
+def rows():
+    return {name: databases.of_robot(name) for name in ("bioloid", "lbr", "uxa90")}
 
 
 @given(files())

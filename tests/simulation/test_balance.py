@@ -15,7 +15,7 @@ from lbr.errors import InputError  # noqa: E402
 from lbr.messages.joints import Joint, KeyFrame, MotionRow, MotionStep, motions_of  # noqa: E402
 from lbr.messages.motion_work import Checked, CheckJob  # noqa: E402
 from lbr.simulation.humanoid.balance import FALLEN_RAD, hull, margin  # noqa: E402
-from tests.apps.web.jointed_robot import rows_of  # noqa: E402
+from tests.support import databases  # noqa: E402
 
 SIT = {"left_hip_pitch": 1.78, "left_knee": -2.4, "left_ankle_pitch": 0.9}
 SIT |= {name.replace("left", "right"): angle for name, angle in SIT.items()}
@@ -24,7 +24,7 @@ POINTS = st.lists(st.tuples(COORDINATES, COORDINATES), min_size=1, max_size=12)
 
 
 def rows(robot, kind):
-    return tuple(row for row in rows_of(robot) if isinstance(row, kind))
+    return databases.of_robot(robot).of(kind)
 
 
 def checked(robot, *frames, **more):

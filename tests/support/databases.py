@@ -10,6 +10,7 @@ from typing import Any
 
 from lbr import plugins
 from lbr.database import store
+from lbr.database.checks import RobotRows, check
 from lbr.database.reading import RawTables
 from lbr.database.rows import TokenRow
 from lbr.database.shipped import shipped
@@ -64,6 +65,13 @@ def token(name: str, role: TokenRole, kept: str, expires_at: str | None = None, 
 def tables() -> tuple[RawTables, Schema]:
     """Return the rows of a new database and their columns, read once in a process: nobody changes them."""
     return shipped()
+
+
+@cache
+def of_robot(robot: str) -> RobotRows:
+    """Return the rows of a robot in a new database."""
+    raw, columns = tables()
+    return check(raw, robot, columns=columns)
 
 
 @cache

@@ -21,13 +21,14 @@ from lbr.messages.behaviour import (
     RunBehaviour,
     WriteBehaviour,
 )
-from lbr.messages.drive import DriveCommand, DriveState, GoalResult, TurnCommand
+from lbr.messages.drive import DriveCommand, GoalResult, TurnCommand
 from lbr.messages.joints import JointsState, PlayCommand
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.sensing import Ranges
 from lbr.messages.sighting import SightingState, WatchCommand
 from lbr.messages.speech import SayCommand
 from lbr.testing import FakeCall, FakeContext
+from tests.support.replies import drive_state
 
 TABLE = """Type,Current State,Forward,Time,O:level,O:range,O:turn,O:speech,Next State
 start,Go,> 90,,0.3,70,,,Turn
@@ -42,11 +43,6 @@ fail,Stuck,,,0,,,,
 
 def rows(text: str = TABLE, name: str = "patrol") -> tuple[BehaviourTable | BehaviourRow, ...]:
     return BehaviourTable(name=name, help="for a test"), *files.read(text.encode(), name, json=False).rows
-
-
-def drive_state(**given) -> DriveState:
-    plain = {"moving": False, "power": 0.0, "angle_deg": 0.0, "left": 0.0, "right": 0.0, "holder": None, "goal": None}
-    return DriveState(**{**plain, "limited_by": "", "reason": "", "estop": False, "loop": None, **given})
 
 
 class Stage:

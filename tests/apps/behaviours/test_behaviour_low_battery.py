@@ -5,7 +5,8 @@ import pytest
 from lbr.apps.behaviours.low_battery import ALONE_FOR_S, LOW_FOR_S, LowBattery
 from lbr.messages.battery import BatteryState
 from lbr.messages.leases import StopCommand
-from tests.apps.behaviours.test_behaviour_capability import Stage, drive_state
+from tests.apps.behaviours.test_behaviour_capability import Stage
+from tests.support.replies import drive_state
 
 WELL = {"low": False, "charging": False, "busy": False}
 LOW = {**WELL, "low": True}

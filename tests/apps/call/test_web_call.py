@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import pytest
 
 from lbr.apps.call.messages import KeepCommand, RingCommand, RingReply
-from tests.apps.web.test_web_access import user
-from tests.apps.web.test_web_cameras import STRANGER, bearer, signed_in
+from tests.apps.web.test_web_access import bearer, user
+from tests.apps.web.test_web_cameras import STRANGER, signed_in
 from tests.apps.web.test_web_hostile import asked_as_another
 from tests.apps.web.test_web_server import Plain
 from tests.apps.web.web_stage import Served, serving

@@ -218,27 +218,10 @@ def test_controls_in_the_originals_groups_are_taken(place, capsys):
     }
 
 
+NECK = {"id": 23, "name": "neck", "position": 127, "min": 1, "max": 254, "default": 127, "inverted": False}
 MOTORS = [
-    {
-        "id": 23,
-        "name": "neck",
-        "description": "",
-        "position": 127,
-        "min": 1,
-        "max": 254,
-        "default": 127,
-        "inverted": False,
-    },
-    {
-        "id": 24,
-        "name": "head",
-        "description": "",
-        "position": 127,
-        "min": 160,
-        "max": 100,
-        "default": 127,
-        "inverted": True,
-    },
+    NECK | {"description": ""},
+    NECK | {"id": 24, "name": "head", "min": 160, "max": 100, "inverted": True},
     {"id": "x", "name": "", "description": None, "position": 127.5, "min": 1, "max": 2, "default": 1},
 ]
 
@@ -267,8 +250,7 @@ def test_the_first_apis_tables_and_settings(place, capsys):
 
 
 def test_of_rows_that_contradict_each_other_the_first_counts_also_a_second_time(place, capsys):
-    neck = {"id": 23, "name": "neck", "min": 1, "max": 254, "default": 127}
-    (place / "motors.json").write_text(json.dumps([neck, neck, {**neck, "name": "head", "min": 50}]))
+    (place / "motors.json").write_text(json.dumps([NECK, NECK, {**NECK, "name": "head", "min": 50}]))
     for kind in ("added", "same"):
         found = report(capsys, place / "motors.json")
         assert [(row.name, row.lowest) for row in rows(place, "uxa90").of(Motor) if row.layer == "original"] == [

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from lbr.apps.motions.commands import motion_files
-from lbr.database import store
 from lbr.database.checks import check
 from lbr.errors import InputError
 from lbr.messages.joints import Joint, KeyFrame, Motion, MotionStep
@@ -39,11 +38,8 @@ NOD = content((20, 400, {24: 150, 23: 100}), (10, 300, {24: 127}), ends=":\r\n")
 
 
 @pytest.fixture(scope="module")
-def rows(tmp_path_factory):
-    path = tmp_path_factory.mktemp("database") / "robot.db"
-    databases.fresh(path)
-    with store.Database.open(path) as database:
-        return database.load("uxa90")
+def rows():
+    return databases.of_robot("uxa90")
 
 
 def test_a_file_is_read_field_by_field(rows):

@@ -9,12 +9,12 @@ import pytest
 from lbr.apps.recorder.face import RecordingsFace
 from lbr.apps.recorder.recording.segments import Segment
 from lbr.apps.recorder.recording.shelf import Shelf
-from tests.apps.web.test_web_access import FINGERPRINT, SECRET, user
+from tests.apps.web.test_web_access import bearer, user
 from tests.apps.web.web_stage import serving
 from tests.support.segments import finished
 from tests.support.waiting import HANG_S, until
 
-EVE = {"Authorization": f"Bearer eve.{SECRET}.{FINGERPRINT}", "X-Forwarded-For": "8.8.8.8"}
+EVE = bearer("eve") | {"X-Forwarded-For": "8.8.8.8"}
 STRANGER = {"X-Forwarded-For": "8.8.8.8"}
 
 

@@ -11,13 +11,13 @@ from lbr.apps.bodies.turning import rotated
 from lbr.messages.attitude import AttitudeState
 from lbr.messages.battery import BatteryState
 from lbr.messages.camera import JpegFrame
-from lbr.messages.drive import DriveState
 from lbr.messages.imu import ImuSample
 from lbr.messages.joints import Joint, JointsState, JointState
 from lbr.messages.odometry import OdometryState
 from lbr.messages.sensing import RangeSensor, Scan, ranges, ring
 from lbr.testing import FakeContext
 from tests.support import needs
+from tests.support.replies import drive_state
 
 needs.modules("rosbags")
 needs.modules("xxhash")
@@ -174,11 +174,7 @@ def test_a_camera_of_the_body_has_its_field_of_view_and_a_frame():
 
 
 def test_diagnostics_name_each_part_its_reason_and_code_and_what_is_silent(ros):
-    state = DriveState(
-        moving=False, power=0.0, angle_deg=0.0, left=0.0, right=0.0, holder=None, goal=None, limited_by="",
-        reason="the emergency stop is latched", code="estop", estop=True, loop=None,
-    )  # fmt: skip
-    ros.ctx.arrive("drive", state)
+    ros.ctx.arrive("drive", drive_state(reason="the emergency stop is latched", code="estop", estop=True))
     ros.ctx.arrive("battery", BatteryState(valid=True, voltage_v=10.0, level="low"))
     ros.step()
     ros.step()

@@ -1,12 +1,21 @@
 """A face's handlers, called as the server calls them."""
 
+import time
 from collections.abc import Mapping
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 from starlette.responses import Response
 
 from lbr.apps.web.contract import contract, response
 from lbr.apps.web.face import Client, Request, Route
+
+
+def modelled(home: Path, **more: Any) -> Any:
+    """Return a robot as the face `model` knows it, without a server."""
+    ctx = SimpleNamespace(home=str(home), rows=lambda _row: ())
+    return SimpleNamespace(name="bioloid", ctx=ctx, now=time.monotonic, motors=(), **more)
 
 
 def called(

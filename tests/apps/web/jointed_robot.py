@@ -1,7 +1,5 @@
 """A humanoid as a page sees it: its rows, its body, joints that go where they are sent as fast as their rows allow."""
 
-import json
-import sqlite3
 import time
 from typing import Any
 
@@ -12,9 +10,8 @@ from lbr.messages.description import RobotDescription
 from lbr.messages.faces import Button
 from lbr.messages.joints import Joint, MotionRow, MotionStep, motions_of
 from lbr.messages.leases import CommandReply
-from lbr.messages.rows import Row
 from tests.apps.web.page_robot import ROUND_S, PageRobot, capability, commands, outputs
-from tests.support.shipped import sql
+from tests.support import databases
 
 OWN_TORQUE = 0.9
 HUMANOID = [
@@ -29,36 +26,17 @@ HUMANOID = [
 BODILESS = ("attitude", "ups", "power")
 
 
-def rows_of(robot: str) -> tuple[Row, ...]:
-    """Return a robot's joints, motions and buttons, as its package has them."""
-    database = sqlite3.connect(":memory:")
-    database.row_factory = sqlite3.Row
-    try:
-        database.executescript(sql())
-        return tuple(
-            msgspec.convert(_given(dict(found)), row, strict=False)
-            for row in (Joint, MotionRow, MotionStep, Button)
-            for found in database.execute(f"SELECT * FROM {row.TABLE} WHERE robot = ?", (robot,))
-        )
-    finally:
-        database.close()
-
-
-def _given(row: dict[str, Any]) -> dict[str, Any]:
-    known = {name: value for name, value in row.items() if value is not None}
-    return {name: json.loads(value) if name == "positions" else value for name, value in known.items()}
-
-
 class JointedRobot(PageRobot):
     """Its joints stand at `angles`; what is not in `torque` is limp. `broken` are joints that report an overload."""
 
     faces = ("page", "model")
 
     def __init__(self, robot: str = "bioloid") -> None:
-        self.name, self.rows = robot, rows_of(robot)
+        known = databases.of_robot(robot)
+        self.name, self.joints = robot, known.of(Joint)
+        self.rows = tuple(row for kind in (Joint, MotionRow, MotionStep, Button) for row in known.of(kind))
         super().__init__()
         self.fallen = ""
-        self.joints = [row for row in self.rows if isinstance(row, Joint)]
         self.capabilities = [one for one in HUMANOID if robot == "bioloid" or one.name not in BODILESS]
         self.angles = {one.name: max(one.lower_rad, min(one.upper_rad, 0.0)) for one in self.joints}
         self.goals = dict(self.angles)
@@ -78,8 +56,10 @@ class JointedRobot(PageRobot):
         now = self._until = time.monotonic()
         self.speed_rps = 3.0
         if to == "motions/play":
-            rows = [[row for row in self.rows if isinstance(row, kind)] for kind in (MotionRow, MotionStep)]
-            motion = next(one for one in motions_of(*rows) if one.name == message["motion"])
+            known = databases.of_robot(self.name)
+            motion = next(
+                one for one in motions_of(known.of(MotionRow), known.of(MotionStep)) if one.name == message["motion"]
+            )
             self.playing, self.frames = motion.name, []
             for frame in motion.frames * message.get("times", 1):
                 self._until += frame.duration_s / message.get("speed", 1.0)

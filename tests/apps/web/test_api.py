@@ -13,7 +13,7 @@ from lbr.apps.web.access import Access
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import ConsoleResult
 from tests.apps.web.api_stage import ROBOT, STANDS, StageBus, described, status
-from tests.apps.web.test_web_access import FINGERPRINT, SECRET, user
+from tests.apps.web.test_web_access import bearer, user
 from tests.apps.web.web_stage import REQUESTS, serving
 from tests.support.waiting import until
 
@@ -45,10 +45,6 @@ def served(module):
     return module
 
 
-def shown(name):
-    return {"Authorization": f"Bearer {name}.{SECRET}.{FINGERPRINT}"}
-
-
 def test_a_robot_says_what_it_is_and_what_its_asker_may(served):
     told = served.ask("GET", "/api").json
     assert (told["robot"], told["simulated"], told["revision"], told["role"]) == (ROBOT, True, 7, "admin")
@@ -58,7 +54,7 @@ def test_a_robot_says_what_it_is_and_what_its_asker_may(served):
     assert drive["commands"]["command"]["leased"]
     assert told["words"][0] == {"word": "f", "help": "ahead", "role": "operate", "usage": "f", "fields": []}
     assert told["cameras"] == [{"name": "front", "capability": "camera_front"}]
-    assert served.ask("GET", "/api", headers=shown("eve")).json["role"] == "view"
+    assert served.ask("GET", "/api", headers=bearer("eve")).json["role"] == "view"
     assert served.ask("GET", "/api/").status == 200
 
 
@@ -119,7 +115,7 @@ def test_a_stream_that_says_nothing_or_no_json_is_none_now(served):
 
 def test_a_command_is_asked_in_the_name_of_who_asks_and_its_reply_comes_back(served):
     served.bus.answers[DRIVE] = lambda _said: CommandReply(accepted=True, lease="l1", ttl_s=0.3)
-    answer = served.ask("POST", "/api/drive/command", {"power": 0.3}, shown("ann"))
+    answer = served.ask("POST", "/api/drive/command", {"power": 0.3}, bearer("ann"))
     assert (answer.status, answer.json) == (200, {"accepted": True, "lease": "l1", "ttl_s": 0.3})
     assert served.bus.asked == [(DRIVE, {"power": 0.3}, "web:ann")]
     served.ask("POST", "/api/drive/command", {"power": 0.3})
@@ -142,7 +138,7 @@ def test_a_refusal_has_its_code_and_sentence_in_the_words_of_all_refusals_too(se
 
 def test_what_changes_something_and_is_not_held_is_told_with_its_askers_name(served):
     served.bus.answers[LIGHT] = lambda _said: CommandReply(accepted=True)
-    assert served.ask("POST", "/api/light/switch", {"on": True}, shown("ann")).status == 200
+    assert served.ask("POST", "/api/light/switch", {"on": True}, bearer("ann")).status == 200
     until(lambda: served.stage.events)
     assert [(kind, text) for kind, text, _ in served.stage.events] == [
         ("command", 'web:ann asks light/switch: {"on":true}')
@@ -158,7 +154,7 @@ def test_what_changes_something_and_is_not_held_is_told_with_its_askers_name(ser
 )  # fmt: skip
 def test_who_may_is_decided_before_anything_is_asked(served, path, who, status):
     served.bus.answers = dict.fromkeys((DRIVE, LIGHT, f"{ROBOT}/drive/stop"), lambda _said: CommandReply(accepted=True))
-    assert served.ask("POST", path, {}, shown(who)).status == status
+    assert served.ask("POST", path, {}, bearer(who)).status == status
     assert len(served.bus.asked) == (status == 200)
 
 
@@ -196,7 +192,7 @@ def test_who_does_not_answer_is_told(served):
 @pytest.mark.parametrize(("who", "key"), [("eve", f"{CONSOLE}/view"), ("ann", f"{CONSOLE}/operate")])
 def test_a_line_is_said_with_the_rights_and_the_name_of_who_says_it(served, who, key):
     served.bus.answers[key] = lambda _said: ConsoleResult(code=1, text="no", reason_code="role")
-    answer = served.ask("POST", "/api/console", {"line": "wave /ä"}, shown(who))
+    answer = served.ask("POST", "/api/console", {"line": "wave /ä"}, bearer(who))
     assert (answer.status, answer.json["code"], answer.json["text"]) == (200, 1, "no")
     assert answer.headers["reason-code"] == "role"
     assert served.bus.asked == [(key, "wave /ä", f"web:{who}")]
@@ -288,14 +284,14 @@ def test_what_came_before_its_own_clients_stop_and_is_whole_only_after_it_bears_
 def test_what_holds_a_part_still_is_asked_with_the_rights_of_who_asks(served, path, line):
     told = {"robot": ROBOT, "part": "drive", "state": "ok", "text": "Nothing is wrong: it waits for a command"}
     served.bus.answers[f"{CONSOLE}/view"] = lambda _said: ConsoleResult(code=0, text="", data=told)
-    answer = served.ask("GET", path, headers=shown("eve"))
+    answer = served.ask("GET", path, headers=bearer("eve"))
     assert (answer.status, answer.json) == (200, told)
     assert served.bus.asked == [(f"{CONSOLE}/view", line, "web:eve")]
 
 
 def test_a_part_that_is_not_there_is_not_found(served):
     served.bus.answers[f"{CONSOLE}/view"] = lambda _said: ConsoleResult(code=2, text="there is no part 'x'")
-    answer = served.ask("GET", "/api/why/x", headers=shown("eve"))
+    answer = served.ask("GET", "/api/why/x", headers=bearer("eve"))
     assert (answer.status, answer.json["code"]) == (404, "unknown_name")
 
 
@@ -359,7 +355,7 @@ def test_where_there_is_no_way_onto_the_bus_the_rest_is_served():
 
 def test_who_wants_what_another_holds_asks_for_it_and_is_told_that_it_is_handed_over():
     with api(users=USERS) as served:
-        asked = served.ask("POST", "/api/ask", {"capability": "drive"}, shown("ann"))
+        asked = served.ask("POST", "/api/ask", {"capability": "drive"}, bearer("ann"))
         assert asked.status == 200
         given = {"capability": "drive", "to": "web:ann"}
         assert served.ask("POST", "/api/hand_over", given).status == 200
@@ -367,11 +363,11 @@ def test_who_wants_what_another_holds_asks_for_it_and_is_told_that_it_is_handed_
         assert ("asked_for", {"capability": "drive", "by": "web:ann"}) in served.stage.event_data
         assert ("handed_over", {"by": "web:127.0.0.1", **given}) in served.stage.event_data
         assert not served.bus.lent.moves
-        again = served.ask("POST", "/api/ask", {"capability": "drive"}, shown("ann"))
+        again = served.ask("POST", "/api/ask", {"capability": "drive"}, bearer("ann"))
         assert (again.status, again.json["code"]) == (429, "busy"), "a sentence in the events of all"
         for nothing in ("light", "camera_front", "none"):
             assert served.ask("POST", "/api/ask", {"capability": nothing}).status == 404
-        assert served.ask("POST", "/api/ask", {"capability": "drive"}, shown("eve")).status == 403
+        assert served.ask("POST", "/api/ask", {"capability": "drive"}, bearer("eve")).status == 403
 
 
 def test_what_can_be_held_and_is_not_wired_to_a_stop_is_stopped_by_the_console(served):

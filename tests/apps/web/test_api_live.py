@@ -20,6 +20,7 @@ from lbr.messages.system import Event
 from tests.apps.web.api_stage import STANDS, status
 from tests.apps.web.test_api import USERS, api
 from tests.apps.web.test_web_access import FINGERPRINT, SECRET
+from tests.apps.web.web_stage import UPGRADE, ending
 from tests.support import programs
 from tests.support.waiting import HANG_S, until
 
@@ -71,18 +72,6 @@ class Page:
         return self.until(
             lambda frame: (hold := frame.get("hold")) and all(hold[k] == v for k, v in wanted.items()) and hold
         )
-
-
-def ending(read):
-    """Return the code that a socket is closed with; None if it is cut."""
-    with pytest.raises(ConnectionClosed) as closed:
-        exhausted(read)
-    return closed.value.rcvd.code if closed.value.rcvd is not None else None
-
-
-def exhausted(read):
-    while True:
-        read()
 
 
 @contextmanager
@@ -296,7 +285,7 @@ def test_a_page_that_floods_is_closed_and_moves_nothing(served):
         with contextlib.suppress(ConnectionClosed):
             for _ in range(600):
                 one.say(keep=1)
-        assert ending(one.frame) == viewing.TALKS
+        assert ending(one.socket)[0] == viewing.TALKS
     until(lambda: not served.bus.lent.moving)
 
 
@@ -305,13 +294,13 @@ def test_a_page_that_says_too_much_at_once_is_closed(served):
         with contextlib.suppress(ConnectionClosed):
             for _ in range(10):
                 one.say(hear=[], padding="x" * 12_000)
-        assert ending(one.frame) is None  # it is cut
+        assert ending(one.socket)[0] is None  # it is cut
 
 
 def test_a_message_that_is_too_large_closes_its_socket(served):
     with page(served) as one:
         one.socket.send("x" * 20_000)
-        assert ending(one.frame) == 1009
+        assert ending(one.socket)[0] == 1009
 
 
 def test_who_reads_nothing_loses_its_hand_all_the_same_and_is_cut(served, monkeypatch):
@@ -350,7 +339,7 @@ def test_the_end_of_the_server_lets_go_and_says_so():
             until(lambda: served.bus.lent.moving)
         assert served.bus.lent.halts
         assert served.bus.closed
-        assert ending(lambda: one.recv(timeout=3.0)) in {None, 1001}
+        assert ending(one)[0] in {None, 1001}
 
 
 def test_a_page_hears_first_which_page_the_robot_has():
@@ -359,17 +348,11 @@ def test_a_page_hears_first_which_page_the_robot_has():
         assert one.frame()["page"] == files.build()
 
 
-SLEEPS = (
-    b"GET /api/live HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
-    b"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: lbr.live\r\n\r\n"
-)
-
-
 def test_a_page_that_reads_and_answers_no_ping_is_cut_and_nothing_crashes(monkeypatch, capfd):
     monkeypatch.setattr(serving, "PING_S", 0.05)
     monkeypatch.setattr(serving, "PONG_S", 0.05)
     with api(users=USERS) as served, socket.create_connection(("127.0.0.1", served.port), timeout=HANG_S) as sleeping:
-        sleeping.sendall(SLEEPS)
+        sleeping.sendall(UPGRADE % b"/api/live" + b"Sec-WebSocket-Protocol: lbr.live\r\n\r\n")
         assert sleeping.recv(65536).startswith(b"HTTP/1.1 101")
         until(lambda: not served.connections, what="its place is free")
         assert served.ask("GET", "/state").status == 200

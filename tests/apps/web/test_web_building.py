@@ -3,7 +3,6 @@
 import gzip
 import time
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import msgspec
@@ -22,11 +21,11 @@ from lbr.apps.web.model.work import MOST_AT_ONCE, UNASKED_S, Work, Works  # noqa
 from lbr.messages.faces import EditReply  # noqa: E402
 from lbr.messages.joints import Joint, KeyFrame, Motion  # noqa: E402
 from lbr.messages.motion_work import LONGEST_CHECK_S, CheckJob, NotDone, ReadJob, VersionsJob  # noqa: E402
-from tests.apps.web.asking import called  # noqa: E402
-from tests.apps.web.jointed_robot import rows_of  # noqa: E402
+from tests.apps.web.asking import called, modelled  # noqa: E402
+from tests.support import databases  # noqa: E402
 
 ELBOW = Joint(name="left_elbow", device_id=6, side="left", lower_rad=-1.9, upper_rad=0.1, speed_rps=3.0)
-BIOLOID = tuple(row for row in rows_of("bioloid") if isinstance(row, Joint))
+BIOLOID = databases.of_robot("bioloid").of(Joint)
 STAND = (KeyFrame(positions={"left_elbow": -0.5, "right_elbow": 0.5}, duration_s=0.6),)
 TOPPLE = (KeyFrame(positions={"left_ankle_pitch": 0.8, "right_ankle_pitch": -0.8}, duration_s=0.5),)
 WAVE = Motion(name="wave", frames=STAND)
@@ -37,18 +36,8 @@ class Stage:
     """The face `model` without a server: its rounds are the test's."""
 
     def __init__(self, home: Path, joints: tuple[Joint, ...] = (ELBOW,)) -> None:
-        ctx = SimpleNamespace(home=str(home), rows=lambda _row: ())
         self.edits: list[Any] = []
-        robot: Any = SimpleNamespace(
-            name="bioloid",
-            ctx=ctx,
-            now=time.monotonic,
-            joints=joints,
-            motors=(),
-            motions=(WAVE,),
-            motion={WAVE.name: WAVE}.get,
-            edit=self._edit,
-        )
+        robot = modelled(home, joints=joints, motions=(WAVE,), motion={WAVE.name: WAVE}.get, edit=self._edit)
         self.face = ModelFace(robot)
         self.routes = {(route.method, route.path): route for route in self.face.routes()}
 

@@ -10,7 +10,7 @@ import pytest
 
 from lbr.messages.camera import CameraState, JpegFrame
 from tests.apps.navcam.test_navcam import PART, jpeg, next_mark
-from tests.apps.web.test_web_access import FINGERPRINT, SECRET, user
+from tests.apps.web.test_web_access import bearer, user
 from tests.apps.web.test_web_hostile import asked_as_another
 from tests.apps.web.test_web_server import Plain
 from tests.apps.web.web_stage import Answer, Served, serving
@@ -29,10 +29,6 @@ def served(monkeypatch, tmp_path) -> Iterator[Served]:
         found.stage.bring("cameras", "camera_front", ON)
         found.stage.bring("cameras", "camera_rear", CameraState(on=False, phase="off", device="/dev/video2"))
         yield found
-
-
-def bearer(name: str) -> dict[str, str]:
-    return {"Authorization": f"Bearer {name}.{SECRET}.{FINGERPRINT}"}
 
 
 STRANGER = {"X-Forwarded-For": "8.8.8.8"}

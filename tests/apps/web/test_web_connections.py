@@ -18,15 +18,12 @@ from lbr.apps.http.turns import MOST_OF_ONE
 from lbr.apps.web import guards, viewing
 from tests.apps.web.test_web_access import FINGERPRINT, SECRET, user
 from tests.apps.web.test_web_server import Plain
-from tests.apps.web.web_stage import Served, serving
+from tests.apps.web.web_stage import UPGRADE, Served, serving
 from tests.support.waiting import HANG_S, until
 
 STOP = b"POST /stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
 CHUNKED = b"POST %s HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n"
-VIEW = (
-    b"GET /ws HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
-    b"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
-)
+VIEW = UPGRADE % b"/ws" + b"\r\n"
 PING = b"\x89\x80\0\0\0\0"
 MANY = 200
 BURDENS = {

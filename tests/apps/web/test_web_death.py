@@ -8,9 +8,9 @@ import signal
 import time
 
 import pytest
-from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
+from tests.apps.web.web_stage import ending
 from tests.support.robot import only, prepare, running
 from tests.support.waiting import HANG_S, until
 
@@ -31,15 +31,6 @@ def ask(base: str, method: str, path: str) -> tuple[int, bytes]:
         return answer.status, answer.read()
     finally:
         connection.close()
-
-
-def has_ended(states) -> bool:
-    """Read a stream until it breaks."""
-    try:
-        while True:
-            states.recv(timeout=HANG_S)
-    except ConnectionClosed:
-        return True
 
 
 def test_a_server_that_is_killed_in_the_middle_of_a_move_leaves_the_joint_where_it_is(tmp_path):
@@ -65,7 +56,7 @@ def test_a_server_that_is_killed_in_the_middle_of_a_move_leaves_the_joint_where_
             until(turns, what="a neck that turns")
             os.kill(pid, signal.SIGKILL)
             until(lambda: not robot.ask("joints/state")["moving"], what="a neck that holds")
-            assert has_ended(states)
+            ending(states)
         state = robot.ask("joints/state")
         assert state["holder"] is None
         held = goal()

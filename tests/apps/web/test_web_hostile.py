@@ -16,7 +16,7 @@ from lbr.messages.faces import EditCommand, EditReply
 from lbr.messages.leases import CommandReply
 from lbr.messages.system import RANKS
 from tests.apps.web.api_stage import StageBus
-from tests.apps.web.test_web_access import FINGERPRINT, SECRET, user
+from tests.apps.web.test_web_access import bearer, user
 from tests.apps.web.web_stage import Served, serving
 from tests.robots.uxa90.uxa90_bench import SHIPPED
 from tests.support.waiting import HANG_S, until
@@ -148,10 +148,6 @@ def only_looks(key: str, what: Any) -> bool:
     return key.endswith("/state") or (
         key.endswith("/@manage") and what.get("ask") in {"rows", "tokens", "log", "events"}
     )
-
-
-def bearer(name: str) -> dict[str, str]:
-    return {"Authorization": f"Bearer {name}.{SECRET}.{FINGERPRINT}"}
 
 
 @pytest.mark.parametrize("host", HOSTS)

@@ -1,7 +1,5 @@
 """The face `model`: the body of this robot and the poses of its motions, as answers."""
 
-import time
-from types import SimpleNamespace
 from typing import Any
 
 import msgspec
@@ -14,7 +12,7 @@ from lbr.apps.web.model.poses import key_pose
 from lbr.apps.web.model.routes import ModelFace, MotionBody
 from lbr.messages.faces import EditReply
 from lbr.messages.joints import Joint, KeyFrame, Motion
-from tests.apps.web.asking import called
+from tests.apps.web.asking import called, modelled
 
 ELBOW = Joint(name="left_elbow", device_id=6, side="left", lower_rad=-1.9, upper_rad=0.1, speed_rps=3.0)
 
@@ -30,16 +28,7 @@ WAVE = Motion(
 
 @pytest.fixture
 def routes(tmp_path) -> dict[str, Any]:
-    ctx = SimpleNamespace(home=str(tmp_path), rows=lambda _row: ())
-    robot: Any = SimpleNamespace(
-        name="bioloid",
-        ctx=ctx,
-        now=time.monotonic,
-        joints=(ELBOW,),
-        motors=(),
-        motions=(WAVE,),
-        motion={WAVE.name: WAVE}.get,
-    )
+    robot = modelled(tmp_path, joints=(ELBOW,), motions=(WAVE,), motion={WAVE.name: WAVE}.get)
     return {route.path: route for route in ModelFace(robot).routes() if route.method == "GET"}
 
 
@@ -105,17 +94,7 @@ class Editor:
 def kept(tmp_path, reply: EditReply, **given: Any) -> tuple[Editor, Any]:
     """Post a motion to a robot that answers edits like this."""
     editor = Editor(reply)
-    ctx = SimpleNamespace(home=str(tmp_path), rows=lambda _row: ())
-    robot: Any = SimpleNamespace(
-        name="bioloid",
-        ctx=ctx,
-        now=time.monotonic,
-        joints=(ELBOW,),
-        motors=(),
-        motions=(WAVE,),
-        motion={WAVE.name: WAVE}.get,
-        edit=editor.edit,
-    )
+    robot = modelled(tmp_path, joints=(ELBOW,), motions=(WAVE,), motion={WAVE.name: WAVE}.get, edit=editor.edit)
     post = next(route for route in ModelFace(robot).routes() if route.method == "POST")
     return editor, asked(post, body=MotionBody(frames=(frame(left_elbow=-0.5),), **given))
 

@@ -11,10 +11,10 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from lbr.bus import keys
+from tests.apps.web.web_stage import ending
 from tests.support.commands import here
 from tests.support.robot import Robot, only, prepare, running
 from tests.support.waiting import HANG_S, until
@@ -61,15 +61,6 @@ def pair(robot: Robot, digits: str) -> tuple[int, dict, bytes]:
     return ask(robot, "POST", "/api/pair", {"code": digits, "name": "Ann's phone"})
 
 
-def has_ended(states) -> bool:
-    """Read a stream until it breaks."""
-    try:
-        while True:
-            states.recv(timeout=8)
-    except ConnectionClosed:
-        return True
-
-
 def test_a_phone_gets_in_by_the_code_and_is_out_once_its_token_is_revoked(robot):
     shown = robot.line("pair")
     digits = shown["data"]["digits"]
@@ -96,7 +87,7 @@ def test_a_phone_gets_in_by_the_code_and_is_out_once_its_token_is_revoked(robot)
     ) as states:
         states.recv(timeout=HANG_S)
         assert here(robot.home, "token", "revoke", name).returncode == 0
-        assert has_ended(states)
+        ending(states)
     assert ask(robot, "POST", "/estop/reset", token=token)[0] == 401
     assert robot.capability("web")["pid"] == before, "who has another token is cut off by it"
     with closing(sqlite3.connect(robot.home / "robot.db")) as database:

@@ -30,7 +30,7 @@ from lbr.errors import DeviceError
 from lbr.messages.faces import EditReply, Motor
 from lbr.messages.joints import JointsState
 from lbr.messages.leases import CommandReply
-from tests.apps.web.web_stage import Served, serving
+from tests.apps.web.web_stage import UPGRADE, Served, ending, serving
 from tests.support.waiting import HANG_S, until
 
 JOINTS = JointsState(sequence=1, measured_s=0.0, moving=False, phase="ready", joints={})
@@ -61,15 +61,6 @@ class Plain(Face):
     @get("/broken")
     async def _broken(self) -> Response:
         raise ZeroDivisionError
-
-
-def ending_of(viewer) -> tuple[int, str]:
-    """Read a stream to its end, and return how it was closed."""
-    try:
-        while True:
-            viewer.recv(timeout=HANG_S)
-    except ConnectionClosed as closed:
-        return closed.rcvd.code, closed.rcvd.reason
 
 
 @pytest.fixture(scope="module")
@@ -298,16 +289,13 @@ def test_whoever_talks_on_a_stream_is_shown_out(served):
         for _ in range(100):
             with suppress(ConnectionClosed):
                 viewer.send("hello")
-        assert ending_of(viewer)[0] == 1008
+        assert ending(viewer)[0] == 1008
 
 
 def test_a_reader_that_never_reads_costs_nothing_and_stops_nobody(served):
     with socket.create_connection(("127.0.0.1", served.port)) as lazy:
         lazy.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-        lazy.sendall(
-            b"GET /ws?rate_hz=50 HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
-            b"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
-        )
+        lazy.sendall(UPGRADE % b"/ws?rate_hz=50" + b"\r\n")
         big = {f"j{n}": {"id": n, "reason": "x" * 200} for n in range(25)}
         for n in range(20):
             served.stage.say("joints", JointsState(sequence=n, measured_s=0.0, moving=False, phase="ready", joints=big))
@@ -355,7 +343,7 @@ def test_streams_end_with_a_reason_when_the_server_does():
         with serving() as served:
             viewer = stack.enter_context(connect(f"ws://127.0.0.1:{served.port}/ws?rate_hz=50"))
             viewer.recv(timeout=HANG_S)
-        code, reason = ending_of(viewer)
+        code, reason = ending(viewer)
     assert code == 1001
     assert "the server ends" in reason
 

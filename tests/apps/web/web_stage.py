@@ -9,6 +9,9 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.connection import Connection
+
 from lbr.apps.web.capability import Web
 from lbr.apps.web.face import Face
 from lbr.apps.web.kind import WebSettings
@@ -19,6 +22,10 @@ from lbr.messages.rows import Row
 from tests.support.rows import given
 from tests.support.waiting import HANG_S
 
+UPGRADE = (
+    b"GET %s HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+    b"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+)
 REQUESTS = ("move", "halt", "torque", "play", "stop_motion", "take_control", "edit", "estop_reset")
 
 
@@ -157,6 +164,15 @@ class Answer:
     @property
     def said(self) -> str:
         return self.json["message"]
+
+
+def ending(viewer: Connection) -> tuple[int | None, str]:
+    """Read a stream to its end, and return how it was closed; no code if it was cut."""
+    try:
+        while True:
+            viewer.recv(timeout=HANG_S)
+    except ConnectionClosed as closed:
+        return (closed.rcvd.code, closed.rcvd.reason) if closed.rcvd is not None else (None, "")
 
 
 @contextmanager

@@ -1,6 +1,5 @@
 """The rows' UXA-90 in the engine, moved by its emulated main board; time passes as fast as it can be computed."""
 
-import sqlite3
 from functools import cache
 from typing import Any
 
@@ -11,32 +10,21 @@ from lbr.robots.uxa90.twin.board import MainBoard
 from lbr.simulation.humanoid.engine import HumanoidEngine
 from lbr.simulation.humanoid.settings import HumanoidWorldSettings
 from lbr.simulation.messages import HumanoidPose
-from tests.support import shipped
+from tests.support import databases
 
 TICK_S = 0.008
 
 
-@cache
-def rows() -> sqlite3.Connection:
-    """Return the shipped database, in memory."""
-    database = sqlite3.connect(":memory:")
-    database.executescript(shipped.sql())
-    return database
-
-
-@cache
 def joints() -> tuple[Joint, ...]:
     """Return its joint rows."""
-    fields = ("name", "device_id", "side", "sign", "zero_rad", "lower_rad", "upper_rad", "speed_rps")
-    query = f"SELECT {', '.join(fields)} FROM joint WHERE robot = 'uxa90' ORDER BY device_id"
-    return tuple(Joint(**dict(zip(fields, row, strict=True))) for row in rows().execute(query))
+    return databases.of_robot("uxa90").of(Joint)
 
 
 @cache
 def settings() -> HumanoidWorldSettings:
     """Return what the row of its world sets."""
-    query = "SELECT settings FROM capability WHERE robot = 'uxa90' AND kind = 'humanoid_world'"
-    return msgspec.json.decode(rows().execute(query).fetchone()[0], type=HumanoidWorldSettings)
+    (world,) = (one for one in databases.of_robot("uxa90").capabilities if one.kind == "humanoid_world")
+    return msgspec.json.decode(world.settings, type=HumanoidWorldSettings)
 
 
 def humanoid(**changed: Any) -> HumanoidEngine:

@@ -11,8 +11,8 @@ from lbr.apps.program import Robot
 from lbr.bus import codec, session, wire
 from lbr.errors import LbrError
 from lbr.messages.behaviour import BehaviourState
-from lbr.messages.drive import DriveState
 from lbr.messages.leases import CommandReply
+from tests.support.replies import drive_state
 from tests.support.waiting import until
 
 
@@ -50,10 +50,7 @@ class FakeRobot:
                 request.reply(self.answer, "behaviour")
         if time.monotonic() - self._told_at > 0.05:
             self._told_at = time.monotonic()
-            drive = DriveState(
-                moving=False, power=0.0, angle_deg=0.0, left=0.0, right=0.0, holder=None, goal=None, limited_by="",
-                reason="", estop=False, loop=None, stopped_s=self.stopped_s, stopped_by="console",
-            )  # fmt: skip
+            drive = drive_state(stopped_s=self.stopped_s, stopped_by="console")
             wire.put(self.router, "lbr/drive/state", drive, source="drive")
             wire.put(self.router, "lbr/behaviour/state", self.state, source="behaviour")
 

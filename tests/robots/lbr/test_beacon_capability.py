@@ -6,18 +6,14 @@ from lbr.messages.attitude import AttitudeState
 from lbr.messages.battery import BatteryState
 from lbr.messages.beacon import SeekCommand
 from lbr.messages.dock import DockSignal
-from lbr.messages.drive import DriveCommand, DriveState, GoalResult, TurnCommand
+from lbr.messages.drive import DriveCommand, GoalResult, TurnCommand
 from lbr.messages.leases import CommandReply, StopCommand
 from lbr.messages.sensing import Ranges
 from lbr.robots.lbr.beacon import KIND, BeaconSettings
 from lbr.testing import FakeCall, FakeContext
+from tests.support.replies import drive_state
 
 ROUND_S = 0.05
-
-
-def drive_state(**given):
-    plain = {"moving": False, "power": 0.0, "angle_deg": 0.0, "left": 0.0, "right": 0.0, "holder": None, "goal": None}
-    return DriveState(**{**plain, "limited_by": "", "reason": "", "estop": False, "loop": None, **given})
 
 
 class Stage:

@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 from lbr.errors import InputError
+from lbr.messages.joints import MotionRow
 from lbr.robots.uxa90.twin.firmware import shipped
 from lbr.simulation.humanoid.settings import Motor, Motors
 from lbr.simulation.measured import ServoDrive
-from tests.models.uxa90.robot import Robot, humanoid, joints, rows
+from tests.models.uxa90.robot import Robot, humanoid, joints
+from tests.support import databases
 
 FEET = ("left_foot", "right_foot")
 STAND, BASIC, STEP, SIT = 7, 1, 4, 21
@@ -134,8 +136,8 @@ def test_motions_end_in_the_walking_stance_and_last_as_long_as_their_rows_say():
     programmes = shipped()
     basic = programmes[BASIC].ends_at()
     assert [slot for slot, programme in programmes.items() if programme.ends_at() != basic] == [STAND, SIT]
-    query = "SELECT slot, slot_s FROM motion WHERE robot = 'uxa90' AND slot IS NOT NULL AND builtin = 1"
-    lasts = dict(rows().execute(query).fetchall())
+    rows = databases.of_robot("uxa90").of(MotionRow)
+    lasts = {row.slot: row.slot_s for row in rows if row.slot is not None and row.builtin}
     assert {slot: pytest.approx(programme.duration_s) for slot, programme in programmes.items()} == lasts
 
 

@@ -1,6 +1,5 @@
 """The loop's side of the UXA-90's API without a robot: requests are answered by a script, and time is what a test says."""
 
-import sqlite3
 from math import inf
 from types import SimpleNamespace
 from typing import Any
@@ -11,41 +10,20 @@ from lbr.apps.web.robot import Robot, Snapshot
 from lbr.capability.context import Received
 from lbr.messages.drive import GoalResult
 from lbr.messages.faces import Button, Motor
-from lbr.messages.joints import Joint, JointsState, JointState, Motion, MotionsState
+from lbr.messages.joints import Joint, JointsState, JointState, MotionRow, MotionsState, MotionStep, motions_of
 from lbr.messages.leases import CommandReply
 from lbr.robots.uxa90.rest.service import Service
 from lbr.testing import FakeContext
-from tests.support.shipped import sql as shipped_sql
+from tests.support import databases
 
-
-def shipped() -> SimpleNamespace:
-    """Return the rows that a UXA-90 is shipped with."""
-    database = sqlite3.connect(":memory:")
-    database.row_factory = sqlite3.Row
-    database.executescript(shipped_sql())
-
-    def rows(table: str) -> list[dict[str, Any]]:
-        found = database.execute(f"SELECT * FROM {table} WHERE robot = 'uxa90'").fetchall()
-        return [{key: row[key] for key in row.keys() if key != "robot"} for row in found]  # noqa: SIM118 - no dict
-
-    try:
-        return SimpleNamespace(
-            joints=tuple(Joint(**row) for row in rows("joint")),
-            motors=tuple(
-                Motor(**row | {"inverted": bool(row["inverted"]), "builtin": bool(row["builtin"])})
-                for row in rows("motor")
-            ),
-            buttons=tuple(Button(**row | {"builtin": bool(row["builtin"])}) for row in rows("button")),
-            motions=tuple(
-                Motion(name=row["name"], frames=(), slot=row["slot"], slot_s=row["slot_s"], builtin=True)
-                for row in rows("motion")
-            ),
-        )
-    finally:
-        database.close()
-
-
-SHIPPED = shipped()
+ROWS = databases.of_robot("uxa90")
+SHIPPED = SimpleNamespace(
+    joints=ROWS.of(Joint),
+    motors=ROWS.of(Motor),
+    buttons=ROWS.of(Button),
+    motions=motions_of(ROWS.of(MotionRow), ROWS.of(MotionStep)),
+)
+"""What a UXA-90 is shipped with."""
 
 
 class PendingReply:
