@@ -282,11 +282,6 @@ class PageRobot:
         self.bus.lent.end(cause, reason)
         self.halt()
 
-    def lapse(self) -> None:
-        """Hear nothing of the page for too long."""
-        with patch.multiple(holds, SILENT_S=-1.0), patch.multiple(patience, SILENT_S=-1.0):
-            until(lambda: not self.moves)
-
     def close(self) -> None:
         """End what it runs."""
 

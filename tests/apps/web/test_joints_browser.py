@@ -281,15 +281,6 @@ def test_a_motion_goes_on_in_another_view_and_its_end_is_told_once(opened, robot
     expect(page.locator(".motions-why")).to_have_count(0)
 
 
-def test_a_robot_that_stands_is_not_asked_to_stand_up(opened, robot):
-    page = opened("joints", PHONE, FLAT)
-    stand_up = page.get_by_role("button", name="stand up", exact=True)
-    expect(stand_up).to_be_disabled()
-    robot.angles |= {"left_knee": -2.0, "right_knee": -2.0}
-    robot.goals = dict(robot.angles)
-    expect(stand_up).to_be_enabled()
-
-
 def frame(duration_s: float = 0.6, **positions: float) -> dict[str, Any]:
     return {"positions": positions, "duration_s": duration_s}
 

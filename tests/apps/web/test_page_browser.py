@@ -139,18 +139,6 @@ def test_a_thumb_drives_and_a_lifted_thumb_stops(opened, robot, size):
     assert stands(page, robot)
 
 
-def test_a_stick_that_is_still_held_goes_on_when_the_link_is_back(opened, robot):
-    page = opened.page("phone")
-    grip(page)
-    assert within(page, lambda: robot.moves)
-    for _ in range(2):
-        before = len(robot.held)
-        robot.lapse()
-        assert within(page, lambda before=before: len(robot.held) > before and robot.moves)
-    page.mouse.up()
-    assert within(page, lambda: not robot.moves)
-
-
 def test_keys_drive_while_they_are_held(opened, robot):
     page = opened.page()
     expect(page.locator(".drive-why")).to_contain_text("Ready")

@@ -135,19 +135,6 @@ def test_what_people_ask_for_first_is_saved_with_what_restarts_and_taken_back(pa
     until(lambda: robot.capability("drive")["phase"] == "ready")
 
 
-def test_what_is_not_saved_yet_outlives_another_tab_until_it_is_thrown_away(page, robot):
-    page.get_by_role("radio", name="Settings").click()
-    kept = page.get_by_label("Distance kept, left")
-    before = kept.input_value()
-    kept.fill("0.44")
-    page.get_by_role("radio", name="Events").click()
-    expect(kept).to_have_count(0)
-    page.get_by_role("radio", name="Settings").click()
-    expect(kept).to_have_value("0.44", timeout=SLOWLY_MS)
-    page.get_by_role("button", name="Cancel").click()
-    expect(kept).to_have_value(before)
-
-
 def test_what_was_typed_outlives_a_row_that_is_deleted_and_a_robot_that_does_not_answer(page, robot):
     robot.edit("INSERT OR REPLACE INTO phrase (name, language, text) VALUES ('brief', 'en', 'old')")
     row(page, "phrase", "brief / en")
@@ -178,20 +165,6 @@ def test_a_token_is_locked_out_by_a_tap(page, robot):
     page.get_by_role("dialog").get_by_role("button", name="Lock out").click()
     told = page.get_by_role("listitem").filter(has_text=name)
     expect(told.get_by_text("locked out")).to_be_visible(timeout=SLOWLY_MS)
-
-
-def test_a_token_is_called_what_people_say(page, robot):
-    name, called = f"tablet{page.viewport_size['width']}", f"Ann's {page.viewport_size['width']}"
-    assert lbr(robot.home, "token", "add", name, "--role", "view").returncode == 0
-    page.get_by_role("radio", name="Access").click()
-    page.get_by_role("button", name=f"Rename: {name}").click(timeout=SLOWLY_MS)
-    form = page.get_by_role("dialog")
-    form.get_by_label("Name").fill(called)
-    form.get_by_role("button", name="Save").click()
-    expect(form).to_have_count(0, timeout=SLOWLY_MS)
-    expect(page.get_by_role("button", name=f"Lock out: {called}")).to_be_visible(timeout=SLOWLY_MS)
-    listed = json.loads(lbr(robot.home, "token", "list", "--json").stdout)
-    assert [one["called"] for one in listed if one["name"] == name] == [called]
 
 
 def test_one_button_connects_a_phone_and_closes_the_robot_again(page, robot):
