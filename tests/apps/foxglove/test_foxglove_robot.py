@@ -231,19 +231,17 @@ def test_a_goal_of_a_word_goes_on_while_its_client_is_there_and_ends_with_it(url
 
 
 class Publishing(threading.Thread):
-    """Publishes a Twist every `pause_s`, and knows the longest time that it did not."""
+    """Publishes a Twist again and again."""
 
     def __init__(self, client):
         super().__init__()
-        self.pause_s, self.longest_s, self._over = 0.05, 0.0, threading.Event()
+        self._over = threading.Event()
         self.client = client
         self.start()
 
     def run(self):
-        pushed_s = time.monotonic()
-        while not self._over.wait(self.pause_s):
+        while not self._over.wait(0.05):
             self.client.push(0.2)
-            self.longest_s, pushed_s = max(self.longest_s, time.monotonic() - pushed_s), time.monotonic()
 
     def close(self):
         self._over.set()
@@ -259,25 +257,14 @@ def test_who_publishes_a_twist_drives_until_it_is_not_published_on(client, robot
     assert drive(robot)["holder"] is None
 
 
-def test_a_stop_ends_what_is_published_and_a_network_that_stumbles_is_no_rest_after_it(client, robot, url):
+def test_a_stop_ends_what_is_published_and_why_it_stands_is_told(client, robot, url):
     client.say(**TWIST)
-    with closing(Foxglove(url)) as other, closing(Publishing(client)) as publishing:
+    with closing(Foxglove(url)) as other, closing(Publishing(client)):
         until(lambda: moves(robot), what="driving")
-        publishing.longest_s = 0.0
         assert other.call("/stop")["code"] == 0
         until(lambda: not moves(robot), what="standing still")
-        publishing.pause_s = 0.35
-        ends = time.monotonic() + 2.0
-        moved = False
-        while time.monotonic() < ends:
-            moved = moved or moves(robot)
-        assert not moved or publishing.longest_s > 0.9
         client.until(lambda: any("[" in one for one in client.statuses), "why it stands")
-    client.call("/help")  # the bridge has read all that was published before
-    rests = time.monotonic()
-    until(lambda: time.monotonic() - rests > RESTS_S, what="a rest")
-    with closing(Publishing(client)):
-        until(lambda: moves(robot), what="driving after a rest")
+        assert not moves(robot)
 
 
 def test_a_stop_counts_although_its_client_leaves_with_its_last_byte(client, robot, url):

@@ -6,7 +6,7 @@ from contextlib import closing
 
 import pytest
 
-from tests.apps.mcp.conftest import SPIN, agent, turning
+from tests.apps.mcp.conftest import SPIN, turning
 from tests.support import needs
 from tests.support import robot as robots
 from tests.support.waiting import until
@@ -18,6 +18,7 @@ from mcp_types import ElicitResult, Implementation  # noqa: E402
 from lbr import client  # noqa: E402
 from lbr.apps.mcp.agent import Agent  # noqa: E402
 from lbr.apps.mcp.messages import McpState, Rules  # noqa: E402
+from lbr.apps.mcp.motion import SILENT  # noqa: E402
 from lbr.apps.mcp.server import McpServer  # noqa: E402
 from lbr.client import aio  # noqa: E402
 
@@ -65,7 +66,7 @@ def audit(home):
         return database.execute("SELECT source, text FROM audit WHERE kind = 'command'").fetchall()
 
 
-def with_tools(work, rules=None, **options):
+def with_tools(work, rules=None, pulse=Present, **options):
     """Run `work(client, call)` with the official client in this process; `call` returns what a tool answers."""
 
     async def main():
@@ -73,7 +74,7 @@ def with_tools(work, rules=None, **options):
             return McpState(listening=False, rules=rules or Rules())
 
         ours = Agent("a test", lambda name: aio.connect(name=name), rules_of_row)
-        server = McpServer(lambda _ctx: ours, lambda _ctx: Present())
+        server = McpServer(lambda _ctx: ours, lambda _ctx: pulse())
         try:
             async with Client(server.sdk, client_info=NAMED, **options) as program_of_agent:
 
@@ -195,10 +196,18 @@ def test_a_person_stops_an_agent_and_it_is_told_by_whom(running, home):
     until(lambda: wheels(running) == (0.0, 0.0))
 
 
-def test_an_agent_that_is_killed_moves_nothing(running, home):
-    with agent(running, "auto", [*robots.LBR, "mcp"]) as popen:
-        until(lambda: turning(running))
-        popen.kill()
-        until(lambda: wheels(running) == (0.0, 0.0))
-    reason = until(lambda: (running.ask("drive/state") or {}).get("reason"))
-    assert "called it off" in reason or "no sign of life" in reason or "not renewed" in reason, reason
+def test_an_agent_whose_client_shows_no_sign_of_life_moves_nothing(running, home):
+    class Silent(Present):
+        async def follow(self, beat):
+            await asyncio.Event().wait()
+
+    async def work(_client, call):
+        driving = asyncio.ensure_future(driven(call, **SPIN))
+        while not await asyncio.to_thread(turning, running):
+            assert not driving.done(), driving.result()
+        answer = await driving
+        assert answer["code"] != "done"
+        assert SILENT in answer["text"], answer
+
+    with_tools(work, pulse=Silent)
+    until(lambda: wheels(running) == (0.0, 0.0))
