@@ -21,7 +21,8 @@ from lbr.errors import InputError
 from lbr.executive.planning import credentials
 from lbr.executive.service import latch
 from tests.support import databases, needs, programs
-from tests.support.waiting import HANG_S
+from tests.support.commands import here
+from tests.support.robot import lbr
 
 STRANGER = 4321
 AS_ROOT = needs.root("can act as somebody else")
@@ -193,16 +194,11 @@ def test_a_certificate_may_be_read_by_everybody(place):
     ],
     ids=" ".join,
 )
-def test_every_command_refuses_a_strangers_log(shared, tmp_path, monkeypatch, words):
-    monkeypatch.setenv("LBR_HOME", str(tmp_path / "home"))
+def test_every_command_refuses_a_strangers_log(shared, tmp_path, words):
     databases.fresh(shared / "robot.db")
     log = shared / "robot.db-wal"
     assert not as_a_stranger(f"echo edits > {log}").returncode
-    done = programs.run(
-        [sys.executable, "-m", "lbr.start", *words, str(shared / "robot.db")], capture_output=True, text=True,
-        timeout=HANG_S,
-        check=False,
-    )  # fmt: skip
+    done = (lbr if words[0] == "run" else here)(tmp_path / "home", *words, str(shared / "robot.db"))
     assert done.returncode == 2
     assert f"{log} belongs to user 4321 (mode 0666)" in done.stderr
     assert "Traceback" not in done.stderr

@@ -147,18 +147,6 @@ def test_a_terminal_that_answers_no_more_stops_the_wheels(robot, trace):
         at_rest(trace)
 
 
-@pytest.mark.parametrize("way", [b"\x03", b"\x04", signal.SIGTERM, signal.SIGHUP])
-def test_a_console_on_a_frozen_terminal_can_be_left(robot, trace, way):
-    with terminal(robot, "console", answers=False) as on, flooded(robot):
-        on.freeze()
-        until(lambda: on.unread > 3000)
-        if isinstance(way, bytes):
-            on.type(way)
-        else:
-            on.popen.send_signal(way)
-        assert ended(on.popen) == 0
-
-
 def test_a_stop_is_heard_from_a_pipe_when_nobody_reads_the_results(robot, trace):
     with into_full_pipe(robot, "console") as popen:
         assert popen.stdin is not None
@@ -170,17 +158,6 @@ def test_a_stop_is_heard_from_a_pipe_when_nobody_reads_the_results(robot, trace)
         at_rest(trace)
         popen.terminate()
         assert ended(popen) == 130
-
-
-def test_a_console_into_a_full_pipe_leaves_when_told(robot, trace):
-    with into_full_pipe(robot, "console") as popen:
-        assert popen.stdin is not None
-        popen.stdin.write(f"{TURN}\n".encode())
-        popen.stdin.flush()
-        moving(trace)
-        popen.terminate()
-        assert ended(popen) == 130
-        at_rest(trace)
 
 
 def test_what_is_sent_into_a_full_pipe_is_not_held(robot, trace):

@@ -1,7 +1,7 @@
 """What may follow the name of an external command: what a row lists or fits, and never an option beside."""
 
 import os
-import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -40,19 +40,14 @@ def test_arguments_are_what_the_row_allows(allowed, given_, why):
     assert arguments.refusal(allowed, given_) == why
 
 
-def test_a_pattern_that_python_would_think_about_for_ever_holds_nobody_up():
-    others = threading.Event()
-    threading.Thread(target=others.set).start()
-    told = arguments.refusal(("(a+)+b",), ("a" * 60,))
-    assert others.is_set()
-    assert told.startswith("takes as its first argument what fits (a+)+b")
-
-
-def test_what_compares_ranks_behind_the_robot():
-    comparing = threading.Thread(target=arguments.refusal, args=(("(a+)+b",), ("a" * 60,)))
-    comparing.start()
-    until(lambda: any(_nice(pid) == 19 for pid in _children()), what="it ranks last")
-    comparing.join()
+def test_a_pattern_that_python_would_think_about_for_ever_is_given_up_and_ranks_behind_the_robot_meanwhile():
+    with ThreadPoolExecutor() as pool:
+        told = pool.submit(arguments.refusal, ("(a+)+b",), ("a" * 60,))
+        until(
+            lambda: any(_nice(pid) == 19 for pid in _children()), what="what compares ranks last, and holds nobody up"
+        )
+        assert not told.done()
+        assert told.result().startswith("takes as its first argument what fits (a+)+b")
 
 
 def _children():

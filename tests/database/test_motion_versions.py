@@ -2,7 +2,7 @@
 
 from msgspec.structs import replace
 
-from lbr.apps.motions.commands.versions import MOST, versions
+from lbr.apps.motions.commands.versions import versions
 from lbr.database import edits
 from lbr.messages.joints import KeyFrame, Motion, MotionRow, MotionStep, motions_of
 
@@ -93,12 +93,12 @@ def test_another_motion_and_another_robot_are_not_mixed_in(database):
     assert versions(None, story.changes, "uxa90", "bow") == ()
 
 
-def test_there_are_no_more_than_people_look_through(database):
+def test_there_are_no_more_than_people_look_through(database, monkeypatch):
+    monkeypatch.setattr("lbr.apps.motions.commands.versions.MOST", 5)
     story = Story(database)
-    for at in range(MOST + 5):
+    for at in range(9):
         story.save(bow(-0.01 * (at + 1)), create=at == 0)
-        story.minutes %= 59
-    assert len(story.told()) == MOST
+    assert len(story.told()) == 5
 
 
 def test_a_revision_that_cannot_be_read_ends_what_is_known_and_nothing_else(database):
