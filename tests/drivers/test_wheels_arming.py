@@ -43,11 +43,6 @@ def test_a_motor_that_a_setpoint_does_not_name_is_named():
     assert "finite" in receive(moving(), at(10.0, nan), 10.0, VALID_S).reason
 
 
-def test_an_armed_setpoint_is_applied():
-    assert moving().applied == (0.5, 0.5)
-    assert moving().reason == ""
-
-
 @pytest.mark.parametrize("age_s", [0.101, 0.2, 5.0, -5.0, nan, inf])
 def test_a_zero_that_is_not_fresh_does_not_arm(age_s):
     assert not receive(Arming(), at(10.0 - age_s), 10.0, VALID_S).armed

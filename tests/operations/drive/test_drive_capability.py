@@ -206,15 +206,6 @@ def test_it_is_ready_once_all_that_feeds_it_has_come_and_the_motors_are_armed():
     assert robot.drive.lacks().code == "estop"
 
 
-def test_the_death_of_the_motor_driver_ends_the_motion(robot):
-    call = robot.send(robot.ctx.command(0.5))
-    robot.run(0.2, renewing(robot, call))
-    robot.ctx.drivers_alive = False
-    robot.drive.step()
-    assert robot.wheels == (0.0, 0.0)
-    assert ("fault", "console: the motor driver (motors) is gone") in robot.ctx.events
-
-
 def test_of_several_motor_drivers_the_death_of_the_last_ends_the_motion(robot):
     robot.ctx.wired["motors"] = ("left_motors", "right_motors")
     call = robot.send(robot.ctx.command(0.5))

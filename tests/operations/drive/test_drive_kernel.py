@@ -51,11 +51,6 @@ def test_the_checks_are_in_the_order_of_the_design(bench):
     assert codes == ["bad_value", "dead_lease", "estop", "limit", "obstacle", "check", ""]
 
 
-def test_an_accepted_command_gets_a_lease_and_a_life(bench):
-    reply = bench.drive(0.5)
-    assert (reply.accepted, reply.lease, reply.ttl_s, reply.reason) == (True, "lease1", 0.3, "")
-
-
 def test_a_command_may_ask_for_a_longer_life(bench):
     assert bench.drive(0.5, ttl_s=0.8).ttl_s == 0.8
     bench.run(0.7)
@@ -108,11 +103,6 @@ def test_a_motion_that_ends_for_want_of_setpoints_has_their_code(bench):
     assert (bench.state.lease, bench.state.leases.reason.code) == (None, "no_setpoint")
 
 
-def test_silent_motors_refuse_motion(bench):
-    bench.now += 0.31
-    assert "silent for more than 0.3 s" in bench.drive(0.5).reason
-
-
 def test_more_than_the_highest_power_is_limited_and_said():
     bench = Bench(max_power=0.8)
     assert bench.drive(1.0).reason == "limited to 0.8"
@@ -147,24 +137,6 @@ def test_a_users_check_may_refuse(bench, verdict, reason):
 # leases
 
 
-def test_renewals_keep_it_moving_and_silence_stops_it(bench):
-    reply = moving(bench)
-    bench.run(1.0, renewing(bench, reply))
-    assert bench.wheels == pytest.approx((0.5, 0.5))
-    bench.run(0.32)
-    assert bench.wheels == STILL
-    late = bench.drive(0.5, lease=reply.lease)
-    assert (late.code, late.cause) == ("dead_lease", "lapsed")
-
-
-def test_a_changed_command_keeps_the_lease(bench):
-    reply = moving(bench)
-    changed = bench.drive(0.3, 90, lease=reply.lease)
-    assert changed.lease == reply.lease
-    bench.run(0.2)
-    assert bench.wheels == pytest.approx((0.3, -0.3))
-
-
 def test_a_refused_change_changes_nothing(bench):
     reply = moving(bench)
     bench.see(back=0.1)
@@ -179,13 +151,6 @@ def test_power_zero_under_the_lease_keeps_it_alive_at_neutral(bench):
     assert bench.wheels == STILL
     bench.run(60.0, renewing(bench, reply, 0.0), sense_each=10)
     assert bench.drive(0.5, lease=reply.lease).accepted
-
-
-def test_power_zero_without_a_lease_is_a_stop_by_anyone(bench):
-    reply = moving(bench)
-    assert bench.drive(0.0, source="phone").accepted
-    assert bench.wheels == STILL
-    assert bench.drive(0.5, lease=reply.lease).reason == "lease is dead: stopped by phone"
 
 
 def test_dead_leases_are_remembered_with_their_reason(bench):
@@ -243,14 +208,6 @@ def test_a_fault_stops_at_once_and_for_ever(bench, fault, why):
     assert why in bench.replies[-1].reason
 
 
-def test_motors_that_fall_silent_end_the_lease(bench):
-    reply = moving(bench)
-    bench.motors_speak = False
-    bench.run(0.4, renewing(bench, reply))
-    assert bench.wheels == STILL
-    assert "silent" in bench.replies[-1].reason
-
-
 # bounded moves
 
 
@@ -284,14 +241,6 @@ def test_a_move_ends_when_the_distance_has_grown_to_the_target(bench):
     approach(bench, "forward", (0.65, 0.75), reply, **command)
     assert bench.results == []
     approach(bench, "forward", (0.83,), reply, **command)
-    assert bench.results[0].result == "reached"
-
-
-def test_the_bottom_sensor_can_be_watched(bench):
-    bench.see(bottom=0.2)
-    command = {"power": 0.2, "range_cm": 30.0, "sensor": "bottom"}
-    reply = bench.drive(**command)
-    approach(bench, "bottom", (0.22, 0.31), reply, **command)
     assert bench.results[0].result == "reached"
 
 
@@ -362,14 +311,6 @@ def test_a_move_that_is_ended_says_so_once_and_never_acts_later(bench, end, resu
 # wheels
 
 
-def test_growth_is_limited_and_stops_are_not(bench):
-    reply = bench.drive(1.0)
-    bench.run(0.1, renewing(bench, reply, 1.0))
-    assert bench.wheels[0] == pytest.approx(0.2, abs=0.01)
-    bench.stop()
-    assert bench.setpoints[-1].left == 0.0
-
-
 def test_a_change_of_sense_goes_through_zero(bench):
     reply = moving(bench)
     bench.now += 0.02
@@ -402,14 +343,6 @@ def test_what_the_wheels_do_between_two_commands_is_ruled_too(bench):
         seen.append(sum(bench.wheels))
     assert max(seen) <= 0.01, "no way ahead on the way to the spin"
     assert bench.wheels[0] > 0.1
-
-
-def test_setpoints_quote_the_lease_and_come_with_every_tick(bench):
-    bench.run(0.1)
-    assert len(bench.setpoints) == 5
-    assert {setpoint.lease for setpoint in bench.setpoints} == {""}
-    reply = bench.drive(0.5)
-    assert bench.setpoints[-1].lease == reply.lease
 
 
 # rules while moving
@@ -456,17 +389,6 @@ def test_the_end_of_a_rule_is_an_event_too(bench):
     assert [event.code for event in bench.events if event.kind == "rule"] == ["obstacle", ""]
 
 
-def test_ranges_that_fall_silent_stop_motion_towards_them(bench):
-    reply = moving(bench)
-    bench.ranges_speak = False
-    bench.run(0.34, renewing(bench, reply))
-    assert bench.wheels == STILL
-    assert "older than 0.3 s" in bench.texts[-1]
-    bench.ranges_speak = True
-    bench.run(0.3, renewing(bench, reply))
-    assert bench.wheels != STILL
-
-
 @pytest.mark.parametrize(("how", "level"), [("stopped", "info"), ("lapsed", "warning"), ("fault", "warning")])
 def test_an_end_that_nobody_wanted_is_told_as_a_warning(bench, how, level):
     moving(bench)
@@ -496,16 +418,6 @@ def test_a_frozen_range_stops_motion_towards_it(bench):
     bench.run(1.5, renewing(bench, reply))
     assert bench.wheels == STILL
     assert "frozen at 2.00 m" in bench.texts[-1]
-
-
-def test_the_state_at_rest_says_why(bench):
-    assert drive_state(bench.state, bench.now).reason == "no sender drives"
-    moving(bench)
-    bench.stop(reason="lunch")
-    state = drive_state(bench.state, bench.now)
-    assert (state.reason, state.holder, state.power) == ("stopped by phone: lunch", None, 0.0)
-    bench.estop(True)
-    assert drive_state(bench.state, bench.now).reason == "emergency stop: button"
 
 
 def test_a_motion_that_a_rule_holds_still_for_a_second_is_over_and_does_not_resume(bench):
