@@ -95,11 +95,11 @@ def kill(popen: "subprocess.Popen[str]") -> float:
     "line",
     [
         f"trap '' TERM HUP; {PIDS}",
-        f"(setsid sh -c '{PIDS}' &); sleep 60",
+        f"(setsid sh -c 'trap \"\" TERM HUP; {PIDS}' &); sleep 60",
         f"(env -i PATH=$PATH sh -c '{PIDS}' &); sleep 60",
         f"(setsid sh -c '(setsid sh -c \"{PIDS}\" &); {PIDS}' &)",
     ],
-    ids=["deaf", "in a session of its own", "with nothing in its environment", "two of whom the first has ended"],
+    ids=["deaf", "deaf in a session of its own", "with nothing in its environment", "two of whom the first has ended"],
 )
 @pytest.mark.parametrize("frozen", ["the process", "the reaper", "both", "none"])
 def test_nothing_is_left_two_seconds_after_the_executive_is_killed(executive, line, frozen):
