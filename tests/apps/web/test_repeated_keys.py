@@ -42,7 +42,11 @@ def test_a_key_that_stands_twice_is_refused(door, body):
 
 
 @given(
-    st.recursive(st.none() | st.floats() | st.text(), lambda some: st.lists(some) | st.dictionaries(st.text(), some))
+    st.recursive(
+        st.none() | st.floats() | st.text(),
+        lambda some: st.lists(some, max_size=4) | st.dictionaries(st.text(), some, max_size=4),
+        max_leaves=12,
+    )
 )
 def test_other_json_is_left_as_it_is(value):
     data = json.dumps(value).encode()

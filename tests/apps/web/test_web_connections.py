@@ -25,7 +25,7 @@ STOP = b"POST /stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\nConnecti
 CHUNKED = b"POST %s HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n"
 VIEW = UPGRADE % b"/ws" + b"\r\n"
 PING = b"\x89\x80\0\0\0\0"
-MANY = 200
+MANY = slots.MOST + 16
 BURDENS = {
     "idle": b"",
     "half a line": b"GE",

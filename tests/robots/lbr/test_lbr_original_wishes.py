@@ -133,7 +133,11 @@ def understood(read, body):
 
 
 SCALARS = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8)
-VALUES = st.recursive(SCALARS, lambda more: st.lists(more, max_size=3) | st.dictionaries(st.text(max_size=4), more))
+VALUES = st.recursive(
+    SCALARS,
+    lambda more: st.lists(more, max_size=3) | st.dictionaries(st.text(max_size=4), more, max_size=3),
+    max_leaves=6,
+)
 NAMES = st.sampled_from(["level", "angle", "range", "sensor", "duration", "heading", "turn", "speech", "dockSignal"])
 
 
