@@ -69,14 +69,15 @@ def test_positions_are_reached_smoothly_and_the_result_says_so(bench):
     assert not bench.setpoint.lost
 
 
-def test_speed_decides_how_long_it_takes_and_the_rows_speed_is_never_passed(bench):
-    slow = bench.command({"left_knee": -1.0}, speed_rps=0.5)
+@pytest.mark.parametrize("join", [False, True])
+def test_speed_decides_how_long_it_takes_and_the_rows_speed_is_never_passed(bench, join):
+    slow = bench.command({"left_knee": -1.0}, speed_rps=0.5, join=join)
     assert slow.reason == ""
     bench.run(1.9, slow.lease)
     assert bench.results == []
     bench.run(0.2, slow.lease)
     assert last(bench)[0] == "reached"
-    fast = bench.command({"left_knee": 0.0}, duration_s=0.1)
+    fast = bench.command({"left_knee": 0.0}, duration_s=0.1, join=join)
     assert fast.reason == "takes 0.75 s instead of 0.10: left_knee goes no faster than 2 rad/s"
 
 
