@@ -158,11 +158,6 @@ def test_goals_and_speeds_are_followed_by_all_at_once(rig, chain):
     assert all(request[2] == 0xFE for request in chain.writes(30))
 
 
-def test_torque_is_limited_as_asked(rig, chain):
-    rig.on(goals=tuple(ServoGoal(id=servo, torque=0.5) for servo in chain.servos))
-    rig.until(lambda: {servo.torque for servo in chain.servos.values()} == {512})
-
-
 def test_silence_holds_then_fades_then_lets_go_and_wants_to_be_switched_on_anew(rig, chain):
     rig.on(lease="a")
     rig.go(600, lease="a")
@@ -187,13 +182,6 @@ def test_silence_holds_then_fades_then_lets_go_and_wants_to_be_switched_on_anew(
     rig.send(goals=tuple(ServoGoal(id=servo, torque=0.0) for servo in chain.servos))
     rig.until(lambda: not rig.servo(1).reason)
     rig.on(lease="b")
-
-
-def test_a_source_that_died_is_lost_at_once(rig, chain):
-    rig.on()
-    rig.ctx.gone.add("joints")
-    rig.until(lambda: rig.ctx.state.phase == "holding")
-    assert not rig.ctx.state.armed
 
 
 def test_a_stop_is_told_to_every_servo_before_anything_else(rig, chain):

@@ -151,7 +151,7 @@ def test_units_are_the_manual_s():
     assert table.Motion(0, 512, 0, 1023).load_fraction == 1.0
     assert table.speed_raw(None) == 0
     assert table.speed_raw(0.001) == 1
-    assert table.torque_raw(1e-9) == 1
+    assert (table.torque_raw(0.5), table.torque_raw(1e-9)) == (512, 1)
 
 
 @given(position=st.integers(0, 1023), goal=st.integers(0, 1023), speed=st.integers(0, 2047))

@@ -686,17 +686,6 @@ def test_why_the_joints_stand_still_is_in_their_state(bench):
     assert said() == ("estop", "emergency stop: test")
 
 
-def test_a_servo_that_is_not_measured_stays_and_is_held_where_it_is_when_it_comes_back(bench):
-    assert bench.goals["head_yaw"] is not None
-    bench.servos.missing = {20}
-    bench.run(0.02)
-    assert bench.goals["head_yaw"] is None
-    bench.push("head_yaw", 0.4)
-    bench.servos.missing = set()
-    bench.run(0.02)
-    assert bench.goals["head_yaw"] == pytest.approx(0.4)
-
-
 @pytest.mark.parametrize("torque", [0.0, 1.0])
 def test_a_servo_that_was_silent_at_first_counts_once_it_is_heard(torque):
     bench = Bench()

@@ -268,14 +268,6 @@ def test_a_lease_whose_joints_are_lost_begins_nothing_else(stage, world):
     assert world.said("result")[0].result == "stopped"
 
 
-def test_a_stop_of_the_joints_is_the_end_of_what_is_played(stage, world):
-    call = stage.begun("wave")
-    stage.run(0.2, call)
-    world.body.stop(world.now, "stopped by phone")
-    stage.run(0.1, call)
-    assert [(one.result, one.reason) for one in world.said("result")] == [("stopped", "stopped by phone")]
-
-
 @pytest.mark.parametrize(
     "command",
     [
