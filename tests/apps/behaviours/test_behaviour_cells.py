@@ -126,7 +126,8 @@ def test_a_bad_cell_is_refused_with_what_to_write(text, wording):
     | st.lists(
         st.sampled_from(
             ["<", ">=", "40", "±", ":", "or", "and", "(", ")", "for", "x", "2 s", "becomes", "missing", "=="]
-        )
+        ),
+        max_size=12,
     ).map(" ".join),
     st.booleans(),
 )
