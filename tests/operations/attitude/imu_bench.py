@@ -45,6 +45,7 @@ class MadeUpImu:
         self.random = np.random.default_rng(self.seed)
         self.turned_deg = 0.0
         self._count = 0
+        self._angles, self._to_sensor = None, np.eye(3)
 
     @property
     def heading_deg(self) -> float:
@@ -60,30 +61,27 @@ class MadeUpImu:
         self.yaw_deg -= clockwise_dps * dt
         self.turned_deg += clockwise_dps * dt
         self._count += 1
-        to_sensor = (self.body_in_world() @ self.sensor_in_body).T
-        noise = self.random.standard_normal((3, 3))
-        gyro = to_sensor @ (0.0, 0.0, -radians(clockwise_dps)) + np.radians(
-            np.array(self.bias_dps) + noise[0] * self.gyro_noise_dps
-        )
-        accel = to_sensor @ (0.0, 0.0, G_MPS2) + noise[1] * self.accel_noise_mps2
-        iron = self.soft_iron @ (to_sensor @ self.field_enu_ut) + np.array(self.hard_iron_ut)
-        measured = iron + noise[2] * self.mag_noise_ut
+        angles = self.yaw_deg, self.pitch_deg, self.roll_deg
+        if angles != self._angles:
+            self._angles, self._to_sensor = angles, (self.body_in_world() @ self.sensor_in_body).T
+        up, noise = self._to_sensor[:, 2], self.random.standard_normal((3, 3))
+        gyro = up * -radians(clockwise_dps) + np.radians(self.bias_dps + noise[0] * self.gyro_noise_dps)
+        accel = up * G_MPS2 + noise[1] * self.accel_noise_mps2
+        field = None
+        if mag and self._count % self.mag_every == 0:
+            iron = self.soft_iron @ (self._to_sensor @ self.field_enu_ut) + self.hard_iron_ut
+            field = tuple((iron + noise[2] * self.mag_noise_ut).tolist())
         return ImuSample(
             valid=True,
             time_s=self.time_s,
-            gyro_rps=vector(gyro),
-            accel_mps2=vector(accel),
-            mag_ut=vector(measured) if mag and self._count % self.mag_every == 0 else None,
+            gyro_rps=tuple(gyro.tolist()),
+            accel_mps2=tuple(accel.tolist()),
+            mag_ut=field,
         )
 
     def run(self, seconds: float, clockwise_dps: float = 0.0, **options):
         for _ in range(round(seconds * self.rate_hz)):
             yield self.sample(clockwise_dps, **options)
-
-
-def vector(values) -> tuple[float, float, float]:
-    x, y, z = (float(value) for value in values)
-    return x, y, z
 
 
 def feed(fusion, samples):
