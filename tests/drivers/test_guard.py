@@ -5,6 +5,7 @@ import os
 import runpy
 import subprocess
 import sys
+import termios
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -144,7 +145,7 @@ def test_who_only_reads_the_program_of_a_guard_runs_nothing_and_finds_its_module
 
 
 def test_a_controller_that_says_nothing_is_told_to_stop_ten_times_in_a_third_of_a_second(monkeypatch):
-    now, told = [100.0], []
+    now, told, dropped = [100.0], [], []
 
     def nothing_comes(_reads, _writes, _errors, seconds):
         now[0] += seconds
@@ -157,10 +158,12 @@ def test_a_controller_that_says_nothing_is_told_to_stop_ten_times_in_a_third_of_
     monkeypatch.setattr(guard_stop, "time", SimpleNamespace(monotonic=lambda: now[0]))
     monkeypatch.setattr(guard_stop, "select", SimpleNamespace(select=nothing_comes))
     monkeypatch.setattr(guard_stop, "os", SimpleNamespace(write=write))
+    monkeypatch.setattr(guard_stop.termios, "tcflush", lambda _line, queue: dropped.append((now[0], queue)))
     with Path(os.devnull).open() as line:
         guard_stop.main(line.fileno(), -1, -1, 150, b"stop\r", b"ok\r")
     assert told == [(pytest.approx(100.0 + 0.03 * tried), b"stop\r") for tried in range(10)]
     assert now[0] == pytest.approx(100.3)
+    assert dropped[-1] == (now[0], termios.TCOFLUSH), "closing a line waits for what is left in it"
 
 
 @pytest.mark.parametrize(

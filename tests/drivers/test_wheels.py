@@ -6,6 +6,8 @@ import socket
 import subprocess
 import sys
 import threading
+import tty
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -160,6 +162,28 @@ def test_a_stop_reaches_a_line_that_is_no_tty():
         controller.send(b"ok\r")
         assert stopped(line.fileno(), STOP, b"ok\r")
         assert controller.recv(64) == STOP
+
+
+def test_a_stop_waits_behind_nothing_that_the_driver_wrote_and_is_acknowledged_by_nothing_of_before():
+    controller, line = os.openpty()
+    tty.setraw(line)
+    os.set_blocking(line, False)
+    os.write(controller, b"ok\r")
+    with suppress(BlockingIOError):
+        while os.write(line, b"!M 500 500\r"):
+            pass
+    assert not stopped(line, STOP, b"ok\r")
+    os.set_blocking(controller, False)
+    received = bytearray()
+
+    def came():
+        with suppress(BlockingIOError):
+            received.extend(os.read(controller, 65536))
+        return received.endswith(STOP)
+
+    until(came, limit_s=STOPS_S, what="the stop, behind what had left the line")
+    os.close(controller)
+    os.close(line)
 
 
 def test_an_acknowledgement_counts_only_where_there_is_one():
