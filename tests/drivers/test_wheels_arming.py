@@ -4,7 +4,6 @@ import pytest
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
-from lbr.drivers.setpoint_gate import REVOKED_KEPT
 from lbr.drivers.wheels.arming import RESTS_S, START, Arming, Inhibit, Setpoint, receive, tick
 
 VALID_S = 0.1
@@ -115,14 +114,6 @@ def test_an_inhibit_stops_at_once_and_a_zero_from_before_does_not_arm_after_it(f
     assert not receive(released, at(10.049), 10.08, VALID_S).armed
     assert receive(released, at(10.08), 10.08, VALID_S).armed
     assert not receive(released, at(10.08, 0.5, 0.5, "L9"), 10.08, VALID_S).armed
-
-
-def test_the_memory_of_dead_leases_is_bounded():
-    state = Arming()
-    for number in range(REVOKED_KEPT + 50):
-        state = receive(state, at(10.0, nan, nan, f"L{number}"), 10.0, VALID_S)
-    assert len(state.dead) == REVOKED_KEPT
-    assert state.dead[-1] == f"L{REVOKED_KEPT + 49}"
 
 
 powers = st.sampled_from([0.0, 0.0, 0.3, -1.0, nan, inf])
