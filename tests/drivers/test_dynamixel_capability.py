@@ -140,6 +140,24 @@ def test_starting_moves_nothing_and_tells_every_servo(rig, chain):
     assert not chain.writes(30)
 
 
+def test_a_fault_of_the_buss_thread_ends_the_driver(rig, chain):
+    def fault(_request, _usual):
+        raise ValueError("a fault")
+
+    rig.until(rig.seen)
+    chain.answer = fault
+    START(rig.threads.pop())
+    with pytest.raises(RuntimeError, match="the servos' bus: ValueError: a fault"):
+        until(rig.driver.step)
+
+
+def test_its_state_tells_whether_anything_came_over_its_line(rig):
+    rig.ctx.device.tap.opened()
+    rig.until(lambda: rig.ctx.state.heard is False)
+    rig.ctx.device.tap.came(b"\xff")
+    rig.until(lambda: rig.ctx.state.heard)
+
+
 def test_torque_comes_on_where_the_servo_is(rig, chain):
     chain.servos[1].put(36, 300)
     rig.on()
