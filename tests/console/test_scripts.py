@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.support import needs
-from tests.support.robot import PATIENT, Robot, lbr, prepare, running
+from tests.support.robot import PATIENT, PATIENT_SERVOS, Robot, lbr, prepare, running
 from tests.support.waiting import until
 
 needs.modules("mujoco")
@@ -102,7 +102,7 @@ class Running:
         """Return the robot of a profile as it ships, at rest and on its feet."""
         if profile not in self._robots:
             self.close()
-            home = prepare(self._folders.mktemp("h"), whole=True, edits=PATIENT)
+            home = prepare(self._folders.mktemp("h"), whole=True, edits=(*PATIENT, PATIENT_SERVOS))
             self._robots[profile] = self._stack.enter_context(running(home, profile=profile))
         return at_rest(self._robots[profile])
 
@@ -148,6 +148,6 @@ def test_a_script_said_to_a_robot_runs_to_its_end(robots: Running, profile: str,
 
 @pytest.mark.parametrize(("profile", "script"), [(profile, one) for profile, said in ENDING.items() for one in said])
 def test_a_script_starts_a_robot_and_ends_it(tmp_path: Path, profile: str, script: str) -> None:
-    home = prepare(tmp_path / "h", whole=True, edits=PATIENT)
+    home = prepare(tmp_path / "h", whole=True, edits=(*PATIENT, PATIENT_SERVOS))
     told = lbr(home, "run", profile, stdin=lines(script), limit_s=ENDS_S)
     assert told.returncode == 0, f"{told.stdout}\n{told.stderr}"

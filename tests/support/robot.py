@@ -35,8 +35,8 @@ PATIENT = (
 """For motions that end by a bound or a stop, not by a busy machine: it holds up who renews a lease and what a drive goes by
 for 0.3 s, and a motor driver for more than 0.1 s, which then stops."""
 PATIENT_SERVOS = f"""
-    UPDATE capability SET settings = json_set(settings, iif(name = 'joints', '$.ttl_s', '$.setpoint_valid_s'),
-    iif(name = 'joints', {LEASE_S}, 0.25)) WHERE robot = 'bioloid' AND name IN ('joints', 'servos')
+    UPDATE capability SET settings = json_set(settings, iif(name = 'servos', '$.setpoint_valid_s', '$.ttl_s'),
+    iif(name = 'servos', 0.25, {LEASE_S})) WHERE robot = 'bioloid' AND name IN ('joints', 'motions', 'servos')
 """
 """The same for the motions of the Bioloid's joints."""
 

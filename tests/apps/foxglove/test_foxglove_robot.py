@@ -397,8 +397,8 @@ def test_a_killed_bridge_leaves_nothing_moving_and_comes_back(url, robot):
 
 def test_other_machines_come_in_by_tls_and_a_token_alone(robot, port):
     """The last one: its row begins anew."""
-    here = next((one for one in addresses.of_machine() if "." in one and not one.startswith("127.")), None)
-    if here is None:
+    address = next((one for one in addresses.of_machine() if "." in one and not one.startswith("127.")), None)
+    if address is None:
         pytest.skip("this machine has no network")
     robot.edit("UPDATE capability SET settings = json_set(settings, '$.host', '0.0.0.0') WHERE name = 'foxglove'")
     until(
@@ -408,11 +408,11 @@ def test_other_machines_come_in_by_tls_and_a_token_alone(robot, port):
     trust = ssl.create_default_context()
     trust.check_hostname, trust.verify_mode = False, ssl.CERT_NONE
     with pytest.raises(InvalidStatus) as refused:
-        Foxglove(f"wss://{here}:{port}/", ssl=trust)
+        Foxglove(f"wss://{address}:{port}/", ssl=trust)
     assert refused.value.response.status_code == 401
     with pytest.raises(InvalidURI):  # it is led to https
-        Foxglove(f"ws://{here}:{port}/")
-    with closing(Foxglove(f"wss://{here}:{port}/?token={robot.token}", ssl=trust)) as operates:
+        Foxglove(f"ws://{address}:{port}/")
+    with closing(Foxglove(f"wss://{address}:{port}/?token={robot.token}", ssl=trust)) as operates:
         assert operates.newest("drive/state")["moving"] is False
         before = robot.capability("foxglove")["pid"]
         assert here(robot.home, "token", "revoke", "viewer").returncode == 0
