@@ -239,3 +239,26 @@ def test_commands_that_talk_to_a_robot_say_that_they_cannot_print(robot):
             )
         assert done.returncode == 1
         assert done.stderr.startswith(b"lbr: standard output cannot be written")
+
+
+@pytest.mark.parametrize("way", [b"\x03", b"\x04", signal.SIGTERM, signal.SIGHUP])
+def test_a_console_on_a_frozen_terminal_can_be_left(robot, trace, way):
+    with terminal(robot, "console", answers=False) as on, flooded(robot):
+        on.freeze()
+        until(lambda: on.unread > 3000)
+        if isinstance(way, bytes):
+            on.type(way)
+        else:
+            on.popen.send_signal(way)
+        assert ended(on.popen) == 0
+
+
+def test_a_console_into_a_full_pipe_leaves_when_told(robot, trace):
+    with into_full_pipe(robot, "console") as popen:
+        assert popen.stdin is not None
+        popen.stdin.write(f"{TURN}\n".encode())
+        popen.stdin.flush()
+        moving(trace)
+        popen.terminate()
+        assert ended(popen) == 130
+        at_rest(trace)

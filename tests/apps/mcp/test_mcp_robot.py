@@ -6,7 +6,7 @@ from contextlib import closing
 
 import pytest
 
-from tests.apps.mcp.conftest import SPIN, turning
+from tests.apps.mcp.conftest import SPIN, agent, turning
 from tests.support import needs
 from tests.support import robot as robots
 from tests.support.waiting import until
@@ -211,3 +211,13 @@ def test_an_agent_whose_client_shows_no_sign_of_life_moves_nothing(running, home
 
     with_tools(work, pulse=Silent)
     until(lambda: wheels(running) == (0.0, 0.0))
+
+
+@pytest.mark.parametrize("mode", ["auto", "legacy"])
+def test_an_agent_that_is_killed_moves_nothing(mode, running, home):
+    with agent(running, mode, [*robots.LBR, "mcp"]) as popen:
+        until(lambda: turning(running))
+        popen.kill()
+        until(lambda: wheels(running) == (0.0, 0.0))
+    reason = until(lambda: (running.ask("drive/state") or {}).get("reason"))
+    assert "called it off" in reason or "no sign of life" in reason or "not renewed" in reason, reason

@@ -10,7 +10,7 @@ import pytest
 
 from tests.support import needs, programs
 from tests.support.commands import here
-from tests.support.robot import free_port, prepare, running
+from tests.support.robot import free_port, only, prepare, running
 from tests.support.trace import Trace
 from tests.support.waiting import STOPS_S, until
 
@@ -137,3 +137,35 @@ def test_a_router_that_is_killed_and_replaced_stops_the_robot_and_nothing_resume
         until(lambda: robot.capability("ros2")["phase"] == "ready", what="the router again")
         until(lambda: "rest_first" in refusals(robot), what="the same node, refused")
         ros.rest(time.monotonic_ns())
+
+
+def test_a_node_that_is_killed_while_its_trajectory_goes_on_stops_the_joints(homes):
+    needs.modules("mujoco")
+    from lbr.apps.ros2 import codec, wire
+    from lbr.apps.ros2.trajectory import TRAJECTORY
+
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    home = homes("bioloid", only("bioloid", "world", "servos", "joints", "ros2"), listen=endpoint)
+    point = {"positions": [-1.5], "time_from_start": {"sec": 20}}
+    payload = codec.encode(TRAJECTORY, {"joint_names": ["right_elbow"], "points": [point]})
+
+    def joints():
+        return robot.ask("joints/state") or {}
+
+    def elbow():
+        return joints()["joints"]["right_elbow"]["goal_rad"]
+
+    with running(home, profile="bioloid-sim") as robot, Ros(robot, endpoint) as ros:
+        until(lambda: robot.capability("ros2")["phase"] == "ready", what="the router")
+        until(lambda: robot.line("/torque/on")["code"] == 0, what="torque")
+        node = ros.started(
+            "--once", "joint_trajectory", wire.dds_type(TRAJECTORY), codec.type_hash(TRAJECTORY), payload.hex()
+        )
+        until(lambda: joints().get("moving") and elbow() < -0.1, what="a moving joint")
+        node.kill()
+        until(lambda: not joints()["moving"], what="its stop")
+        stands, end = elbow(), time.monotonic() + STAYS_S
+        until(lambda: time.monotonic() > end)
+        assert stands > -1.0
+        assert elbow() == pytest.approx(stands, abs=0.02)
+        until(lambda: "holder_gone" in refusals(robot), what="the event")

@@ -10,9 +10,10 @@ import pytest
 from cryptography import x509
 from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
 
+from lbr.apps.web import capability
 from lbr.apps.web.page import files
 from tests.apps.web.page_robot import page_robot
-from tests.apps.web.test_page_browser import Opened
+from tests.apps.web.test_page_browser import Opened, grip
 from tests.support import browsers, needs
 from tests.support.browsers import within
 
@@ -95,3 +96,39 @@ def test_a_file_that_is_not_the_one_that_was_built_is_not_kept(browser, monkeypa
         assert page.evaluate(FAILS) == "redundant"
         page.goto("about:blank")
         opened.close()
+
+
+def test_a_page_that_is_behind_its_robot_loads_itself_once_and_then_moves_nothing(browser, monkeypatch):
+    with page_robot() as (robot, url):
+        port = robot.served.port
+        opened = Opened(browser, url)
+        page = opened.page()
+        grip(page)
+        assert within(page, lambda: robot.moves)
+        page.mouse.up()
+        assert within(page, lambda: not robot.moves)
+        loads: list[str] = []
+        page.on("load", lambda page: loads.append(page.url))
+    monkeypatch.setattr(capability, "build", lambda: "of tomorrow")
+    with page_robot(port=port) as (robot, _):
+        sign = page.get_by_role("alert").filter(has_text="another version")
+        expect(sign).to_be_visible(timeout=10_000)
+        assert len(loads) == 1
+        grip(page)
+        expect(page.locator(".drive-why")).to_contain_text("another version")
+        page.mouse.up()
+        assert (robot.moves, robot.held) == (False, [])
+        page.locator("#stop").click()
+        assert within(page, lambda: ("stop", None) in robot.asked)
+        loads.clear()
+        sign.get_by_role("button", name="Load again").click()
+        assert within(page, lambda: loads)
+        expect(sign).to_be_visible()
+    monkeypatch.undo()
+    with page_robot(port=port) as (robot, _):
+        expect(sign).to_have_count(0)
+        grip(page)
+        assert within(page, lambda: robot.moves)
+        opened.close()
+    ended = ("net::ERR", " 503 ")  # a server that has ended, or has just begun
+    assert [one for one in opened.errors if not any(how in one for how in ended)] == []

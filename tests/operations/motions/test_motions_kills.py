@@ -222,3 +222,23 @@ def test_a_killed_player_leaves_it_where_it_stands_and_to_the_driver(robot):
         assert stands(robot)
         assert stays(robot)
         assert "lapsed" in newest_result(robot)
+
+
+def test_killed_motions_hold_in_mid_step_at_once(robot):
+    with strides(robot):
+        os.kill(robot.capability("motions")["pid"], signal.SIGKILL)
+        until(lambda: phase(robot) == "holding")
+        assert not stepping(robot)
+        assert stays(robot)
+
+
+def test_joints_that_are_killed_on_the_way_to_its_feet_leave_it_held_and_do_not_go_on(robot):
+    with strides(robot):
+        pid = robot.capability("joints")["pid"]
+        robot.ask("joints/stop")
+        os.kill(pid, signal.SIGKILL)
+        until(lambda: phase(robot) == "holding")
+        until(lambda: robot.capability("joints")["phase"] == "ready")
+        assert stays(robot)
+        assert phase(robot) == "holding"
+        assert not stepping(robot)

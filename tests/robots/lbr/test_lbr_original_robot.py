@@ -2,6 +2,7 @@
 
 import http.client
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -157,3 +158,20 @@ def test_it_speaks_hears_the_dock_and_switches_cameras(api):
     until(lambda: api.ask("GET", "/cameras")[1]["front"]["status"] == "off")
     until(lambda: api.ask("POST", "/camera/front", {}) == (200, {}))
     until(lambda: api.ask("GET", "/cameras")[1]["front"]["status"] == "on")
+
+
+def test_the_server_that_is_killed_while_it_moves_the_base_leaves_it_standing(api):
+    pid = api.robot.capability("web_api")["pid"]
+    until(lambda: api.accepted({"level": 0.3, "angle": 90}) and until(api.turns), what="wheels that turn")
+    killed_ns = time.monotonic_ns()
+    os.kill(pid, signal.SIGKILL)
+    zero = api.trace.first_zero(killed_ns, 2.0)
+    assert zero is not None
+    assert (zero.at_ns - killed_ns) * 1e-9 <= 0.5 + SLACK_S
+
+    def is_back() -> bool:
+        unit = api.robot.capability("web_api")
+        return unit["restarts"] == 1 and unit["phase"] == "ready"
+
+    until(is_back)
+    assert api.trace.now().zero, "it went on by itself"
