@@ -243,23 +243,14 @@ def test_the_old_api_moves_a_simulated_robot_as_it_always_did(simulated, path):
     simulated.ask("POST", "/stop")  # else what is played is renewed while the next test asks
 
 
-@contextmanager
-def another_user() -> Iterator[None]:
-    if os.geteuid() != 0:
-        pytest.skip("only root can be somebody else")
-    os.seteuid(OTHER_USER)
-    try:
-        yield
-    finally:
-        os.seteuid(0)
-
-
 class AsAnother(http.client.HTTPConnection):
-    """A connection that another user of this machine has opened."""
+    """A connection whose socket is another user's of this machine."""
 
     def connect(self) -> None:
-        with another_user():
-            super().connect()
+        if os.geteuid() != 0:
+            pytest.skip("only root can be somebody else")
+        super().connect()
+        os.fchown(self.sock.fileno(), OTHER_USER, -1)  # to be that user, if for a moment, all threads would have to be
 
 
 def asked_as_another(served: Served, method: str, path: str, **headers: str) -> int:
