@@ -152,6 +152,7 @@ def robot(tmp_path_factory, port):
 @pytest.fixture
 def url(robot, port):
     until(lambda: robot.ask("drive/state")["holder"] is None, what="standing still")
+    until(lambda: robot.ask("motors/state")["armed"], what="motors that would turn")
     return f"ws://127.0.0.1:{port}/"
 
 
