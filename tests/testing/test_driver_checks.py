@@ -1,6 +1,7 @@
 """Every driver that has an emulated device passes what `lbr.testing.driver` checks, and one that is wrong does not."""
 
 import json
+import threading
 from math import nan
 
 import pytest
@@ -139,11 +140,14 @@ def test_a_driver_that_is_wrong_is_found_out(entry, check, error, tmp_path, monk
 
 
 def test_what_goes_wrong_in_a_devices_thread_is_raised_where_it_is_closed(tmp_path):
+    lived = threading.Event()
+
     def broken(_twin, _now):
+        lived.set()
         raise ZeroDivisionError("no axle")
 
     with pytest.raises(ZeroDivisionError, match="no axle"), plugged("riox", tmp_path, live=broken):
-        pass
+        assert lived.wait(HANG_S)
 
 
 def test_a_device_has_the_faults_of_its_row(tmp_path):
