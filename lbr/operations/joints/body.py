@@ -65,7 +65,7 @@ class Body(Struct, frozen=True):
         if side == "centre":
             return name
         other = "right" if side == "left" else "left"
-        partner = name.replace(side, other, 1)
+        partner = name.replace(side, other)
         mirror_joint = self.joints.get(partner)
         return partner if mirror_joint is not None and mirror_joint.side == other else ""
 

@@ -50,14 +50,11 @@ class Joints(LeasingCapability[JointsSettings, State]):
 
     def __init__(self, ctx: Context[JointsSettings]) -> None:
         super().__init__(ctx)
-        self.rate_hz = ctx.settings.rate_hz
         self.begin()
 
     def open(self) -> None:
         """Start without a holder of the joints, and without setpoints until the servos' state is known."""
         self.begin()
-        self.listen()
-        self.report()
 
     def step(self) -> None:
         """Process arrived messages, and do a round when it is due, slowly while nothing moves."""

@@ -32,7 +32,7 @@ MEASURED_S = 0.3
 
 def begin(state: State, move: Move, lease: str, stop: Stop | None, now: float, *, lost: bool) -> State | None:
     """Return the state in which the robot steps to its feet; None if no stable pose is within its time."""
-    if servos_trouble(state, now) or not state.adopted:
+    if not state.adopted:
         return None
     feet = ToFeet(lease=lease, begun=now, until=now + LONGEST_S, lost=lost)
     if stop is not None and not lost:
@@ -41,9 +41,8 @@ def begin(state: State, move: Move, lease: str, stop: Stop | None, now: float, *
         if not (move.stored.motion.stable and move.stored.motion.pose):
             return None
         pose = move.stored.motion.pose
-        goals = dict.fromkeys(state.on)
-        held = replace(state, goals=goals, halt=state.halt + 1, ticked=now)  # makes the driver end it
-        return replace(held, feet=replace(feet, pose=pose, names=tuple(pose)), lost=False)
+        feet = replace(feet, pose=pose, names=tuple(pose))
+        return replace(state, halt=state.halt + 1, feet=feet, lost=False)  # the new count makes the driver end it
     way = _way_on(state, move)
     if way is None or any(fault(state, name, now) for name in way.knots):
         return None

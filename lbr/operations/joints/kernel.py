@@ -75,7 +75,7 @@ def _begin(state: State, event: Command, ask: Ask[Move], now: float) -> Decision
     offer = ask.confirms
     state, move = _move(state, ask, offer.motion.goal if offer else event.new_goal, idle_s, now)
     state, said = take(state, leasing.grant(state.leases, ask, move), now)
-    state = _underway(state, ask)
+    state = _underway(state)
     return state, (*torque_events, *said, _yes(state, ask), *setpoint(state))
 
 
@@ -96,7 +96,7 @@ def _change(state: State, event: Command, ask: Ask[Move], now: float) -> Decisio
         state, anew = _move(state, ask, event.new_goal, idle_s, now)
         leases, outputs = leasing.grant(state.leases, ask, planning.instead(move, anew))
     state, reports = take(state, (leases, outputs), now)
-    state = _underway(state, ask)
+    state = _underway(state)
     at_once = setpoint(state) if command.join else ()
     return state, (*torque_events, *reports, _yes(state, ask), *at_once)
 
@@ -113,17 +113,15 @@ def _strengthened(state: State, event: Command, ask: Ask[Move], now: float) -> D
     return torque.strengthen(state, event.source, strong, now) if strong else (state, ())
 
 
-def _underway(state: State, ask: Ask[Move]) -> State:
+def _underway(state: State) -> State:
     """Return the state in which joined joints move with this setpoint, not the next."""
-    if state.move is None or not command_of(ask).join:
-        return state
+    assert state.move is not None
     return replace(state, goals={**state.goals, **state.move.positions()})
 
 
 def _idle_s(state: State, now: float) -> float:
-    """Return the time since the joints' positions were last computed."""
-    longest_s = moving.LONGEST_STEP_S if state.leases.live else 1.0 / state.settings.rate_hz  # at rest rounds are rare
-    return 0.0 if waits(state) else min(max(0.0, now - state.ticked), longest_s)
+    """Return the time since the joints' positions were last computed, a period at most: at rest rounds are rare."""
+    return 0.0 if waits(state) else min(max(0.0, now - state.ticked), 1.0 / state.settings.rate_hz)
 
 
 def _yes(state: State, ask: Ask[Move]) -> Reply:

@@ -1,6 +1,6 @@
 """The current motion: its start, the joints' positions now, its end, and the setpoint."""
 
-from math import inf, isnan
+from math import isnan
 
 from msgspec.structs import replace
 
@@ -166,10 +166,9 @@ def _held_rad(state: State, name: str, goal: float | None) -> float | None:
 
 
 def _away_rad(state: State, name: str, target: float) -> float:
-    if state.settings.open_loop and unmeasured(state, name, state.clock):
-        return 0.0
+    """Return the measured distance from a target; an unmeasured joint, in an open loop, counts as arrived."""
     found = position_rad(state, name)
-    return inf if found is None else abs(found - target)
+    return 0.0 if found is None or unmeasured(state, name, state.clock) else abs(found - target)
 
 
 def _goal(state: State, name: str) -> ServoGoal:

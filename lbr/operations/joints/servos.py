@@ -80,10 +80,8 @@ def _late_servos(state: State, now: float) -> State:
     torque = {name: state.seen[name].torque for name in state.unread & state.seen.keys()}
     reporting = frozenset(name for name, found in torque.items() if found is not None)
     on = frozenset(name for name in reporting if torque[name])
-    if not reporting:
-        return state
     state = replace(state, unread=state.unread - reporting)
-    return replace(state, on=state.on | on, goals={**state.goals, **dict.fromkeys(on)}, switched=now) if on else state
+    return replace(state, on=state.on | on, switched=now) if on else state
 
 
 def _has_torque(state: State, name: str, servo: ServoState) -> bool:
@@ -139,4 +137,4 @@ def _without_unmeasured(state: State, now: float) -> State:
             changed[name] = None
         elif not trouble and goal is None:
             changed[name] = moving.measured(state, name)
-    return replace(state, goals={**state.goals, **changed}) if changed else state
+    return replace(state, goals={**state.goals, **changed})

@@ -24,7 +24,7 @@ def begin(state: State, motion: StoredMotion, goal: str, now: float) -> tuple[St
 
     Counts grow with the clock, so that a restarted process repeats none.
     """
-    count = max(state.count + 1, int(max(now, 0.0) * 1000.0) + 1)
+    count = max(state.count + 1, int(now * 1000.0))
     order = Stored(motion=motion, count=count, ordered_at=now)
     return replace(state, count=count, goals=dict.fromkeys(state.on)), Move(
         goal=goal, begun=now, ordered_at=now, stored=order

@@ -12,7 +12,6 @@ from lbr.messages.joints import Interpolation, KeyFrame
 
 SHORTEST_S = 0.01
 """The least time of a way, even to the present position."""
-SLACK = 1e-9
 STEEPEST = 3.0
 """A cubic stays between its ends while its slopes are at most this many times the straight line's (Fritsch, Carlson).
 """
@@ -24,7 +23,8 @@ class Trajectory(Struct, frozen=True, kw_only=True):
     """Positions of joints over time, in seconds from the start; radians and radians a second.
 
     `slopes` are the speeds at the knots; a joint that has none goes straight. `stretch` is the factor by which it is
-    slower than requested, because of `slowest`. `stable` are the knots at which the robot may come to rest.
+    slower than requested; `slowest` is the joint nearest to its limit. `stable` are the knots at which the robot may
+    come to rest.
     """
 
     times_s: tuple[float, ...]
@@ -71,7 +71,7 @@ def plan(
         knots=knots,
         slopes={joint: tuple(slope / stretch for slope in values) for joint, values in slopes.items()},
         stretch=stretch,
-        slowest=name if stretch > 1.0 + SLACK else "",
+        slowest=name,
         stable=frozenset(at for at, frame in enumerate(frames, 1) if frame.stable),
     )
 
@@ -83,7 +83,7 @@ def positions(trajectory: Trajectory, elapsed_s: float) -> dict[str, float]:
 
 def speeds(trajectory: Trajectory, elapsed_s: float) -> dict[str, float]:
     """Return the speeds of its joints at a time; 0 before its start and after its end."""
-    if not 0.0 <= elapsed_s < trajectory.duration_s:
+    if elapsed_s < 0.0:
         return dict.fromkeys(trajectory.knots, 0.0)
     return {name: speed for name, (_, speed) in _states(trajectory, elapsed_s).items()}
 

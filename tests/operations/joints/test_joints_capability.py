@@ -83,6 +83,7 @@ def test_torque_that_is_switched_at_rest_is_in_a_setpoint_with_the_next_step(at_
     at_rest.joints.step()
     goal = next(one for one in at_rest.setpoint.goals if one.id == BODY.joints["left_knee"].device_id)
     assert (goal.torque > 0.0) is on
+    assert at_rest.joints.rate_hz == (10.0 if on else 100.0), "they had torque before"
 
 
 def test_servos_that_rest_no_longer_are_told_at_the_full_rate_at_once(at_rest):
@@ -218,7 +219,7 @@ def test_recovering_is_asked_of_the_driver_and_answered_when_it_has(robot):
     assert call.answer == CommandReply(accepted=True, reason="recovered servo 14")
 
 
-@pytest.mark.parametrize("answers", [{}, {"servos": None}])
+@pytest.mark.parametrize("answers", [{}, {"servos": None}, {"servos": CommandReply(accepted=True), "others": None}])
 def test_a_driver_that_does_not_answer_is_told_of(robot, answers):
     call = robot.recover()
     assert len(robot.ctx.asked[-1].message.ids) == len(NAMES)
@@ -230,6 +231,12 @@ def test_a_driver_that_does_not_answer_is_told_of(robot, answers):
 def test_an_unknown_joint_is_not_recovered(robot):
     assert robot.recover("left_kne").answer.reason.startswith("there is no joint 'left_kne'")
     assert robot.ctx.asked == []
+
+
+def test_what_is_closed_before_it_was_opened_tells_the_servos_nothing():
+    ctx = JointsContext()
+    Joints(ctx).close()
+    assert ctx.said("setpoint") == []
 
 
 def test_ending_holds_every_joint_and_says_that_the_mover_is_gone(robot):

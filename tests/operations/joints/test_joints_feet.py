@@ -6,7 +6,7 @@ from lbr.leases.lease import Stop
 from lbr.messages.joints import KeyFrame, StoredMotion
 from lbr.operations.joints.feet import LONGEST_S
 from lbr.operations.joints.view import joints_state
-from tests.operations.joints.joints_bench import Bench, frame
+from tests.operations.joints.joints_bench import DT, Bench, frame
 
 STEP = tuple(
     KeyFrame(positions={"left_knee": -angle, "head_yaw": angle / 2}, duration_s=0.2, stable=stable)
@@ -109,6 +109,22 @@ def test_whatever_else_comes_holds_at_once(bench, how):
     assert not bench.command(lease=lease).accepted
 
 
+def test_a_driver_that_ceases_to_follow_with_the_stop_holds_at_once(bench):
+    steps(bench)
+    bench.stop()
+    bench.servos.obey, bench.servos.phase = lambda _setpoint: None, "holding"
+    bench.run(0.02)
+    assert stands(bench)
+
+
+def test_a_driver_that_does_not_follow_yet_has_time_for_that(bench):
+    bench.servos.obey, bench.servos.phase = lambda _setpoint: None, "holding"
+    steps(bench, seconds=0.25)
+    bench.stop()
+    bench.run(0.1)
+    assert not stands(bench)
+
+
 def test_one_stop_by_several_ways_is_one_and_the_next_is_another(bench):
     steps(bench)
     bench.stop("console")
@@ -157,6 +173,20 @@ def test_of_several_frames_behind_it_goes_back_to_the_last(bench):
     assert bench.stop().code == "to_feet"
     bench.run(LONGEST_S)
     assert bench.goals["left_knee"] == pytest.approx(-0.4)
+
+
+def test_what_goes_back_to_the_frame_behind_already_goes_on_as_fast(bench):
+    there = {"left_knee": -0.2, "head_yaw": 0.0}
+    stable = KeyFrame(positions=there, duration_s=0.2, stable=True)
+    steps(bench, (stable, frame(0.9, left_knee=-1.3, head_yaw=0.02), frame(2.0, left_knee=0.0, head_yaw=0.0)), 1.7)
+    before = bench.goals["left_knee"]
+    bench.run(DT)
+    by_rad, before = bench.goals["left_knee"] - before, bench.goals["left_knee"]
+    assert bench.stop().code == "to_feet"
+    bench.run(DT)
+    assert bench.goals["left_knee"] - before == pytest.approx(by_rad, rel=0.1)
+    bench.run(LONGEST_S)
+    assert bench.goals == pytest.approx(dict.fromkeys(bench.goals, 0.0) | there)
 
 
 @pytest.mark.parametrize("frames", [(frame(0.5, left_knee=-0.6),), (frame(2.0, left_knee=-0.6), STEP[2])])
@@ -230,7 +260,9 @@ def test_what_the_controller_plays_goes_straight_to_its_pose_once_it_was_measure
     bench.run(0.1)
     assert bench.measured("left_knee") == pytest.approx(-0.3, abs=0.02)
     bench.servos.mode = "pc"
-    bench.run(0.7)
+    bench.run(0.25)
+    assert stands(bench) is not stable, "it takes its time, however near that is"
+    bench.run(0.45)
     assert bench.measured("left_knee") == pytest.approx(-0.5 if stable else -0.3, abs=0.02)
     assert stands(bench)
 

@@ -105,6 +105,14 @@ def test_it_begins_with_the_setpoint_that_follows_at_once_and_never_jumps(bench)
     assert 0.0 < moved <= 2.0 * DT / 2 + 1e-9
 
 
+def test_what_joins_right_after_a_stop_begins_no_earlier_than_that(bench):
+    bench.now = round(bench.now + DT - 1e-4, 6)
+    bench.stop()
+    before = bench.goals["left_shoulder_pitch"]
+    later(bench).command({"left_shoulder_pitch": 0.5}, join=True, interpolation="linear")
+    assert abs(bench.goals["left_shoulder_pitch"] - before) <= 2.0 * 1e-5 + 1e-9
+
+
 def test_a_joint_that_joins_leaves_the_key_frames_and_what_is_appended_takes_it_again(bench):
     first = bench.command(frames=(frame(1.0, left_knee=-0.5, head_yaw=0.5),))
     bench.run(0.5, first.lease)
@@ -133,6 +141,12 @@ def test_a_hundred_joins_a_second_leave_little_behind(bench):
     move = bench.state.move
     assert move is None or len(move.beside) <= len(NAMES)
     assert not [event for event in bench.events if event.kind == "superseded"]
+
+
+def test_a_joint_that_is_near_its_goal_but_on_its_way_goes_on_when_another_joins(bench):
+    lease = bench.command({"left_knee": -0.04}, join=True, duration_s=1.0).lease
+    joins(bench, {"head_yaw": 0.1}, lease)
+    assert set(bench.state.move.beside) == {"left_knee", "head_yaw"}
 
 
 @pytest.mark.parametrize("rests", [True, False])
@@ -207,6 +221,19 @@ def test_a_process_that_begins_anew_leaves_joints_as_weak_as_it_finds_them(bench
     assert bench.setpoint.lost
 
 
+def test_a_joint_waits_no_longer_than_until_the_driver_has_heard_that_it_let_go(bench):
+    bench.run(1.0)
+    bench.servos.latched = {14: ("overload",)}
+    bench.run(0.02)
+    bench.servos.latched = {}
+    bench.run(0.05)
+    reply = bench.command(SLOW, torque=1.0)
+    bench.run(0.02, reply.lease)
+    assert "left_knee" not in strengths(bench)
+    bench.run(0.08, reply.lease)
+    assert bench.goals["left_knee"] < 0.0
+
+
 def test_a_joint_that_cannot_be_held_is_refused_by_name_and_none_of_them_moves(bench):
     bench.torque(on=False, confirmed=True)
     bench.push("left_knee", -2.3)
@@ -232,16 +259,18 @@ def test_a_strength_that_is_none_is_refused(bench, torque):
     assert "torque" in bench.command(SLOW, torque=torque).reason
 
 
-def test_joints_that_just_let_go_begin_when_the_driver_has_heard_that(bench):
+@pytest.mark.parametrize("join", [True, False])
+def test_joints_that_just_let_go_begin_when_the_driver_has_heard_that(bench, join):
     bench.run(1.0)
     bench.servos.latched = {14: ("overload",)}
     bench.run(0.02)
     bench.servos.latched = {}
     bench.hear()
-    reply = bench.command(SLOW, torque=1.0, join=True)
+    reply = bench.command(SLOW | {"head_yaw": 0.5}, torque=1.0, join=join)
     assert reply.accepted
     bench.run(0.05, reply.lease)
     assert "left_knee" not in strengths(bench)
+    assert (bench.goals["head_yaw"] > 0.0) is join, "what moves together begins together"
     bench.run(0.06, reply.lease)
     assert bench.goals["left_knee"] == pytest.approx(bench.measured("left_knee"), abs=0.05)
     assert bench.goals["left_knee"] > -0.1

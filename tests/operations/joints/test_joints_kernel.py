@@ -5,7 +5,7 @@ import pytest
 from lbr.leases.lease import Stop
 from lbr.messages.joints import MAX_FRAMES, TorqueCommand
 from lbr.messages.servos import ServosState
-from lbr.operations.joints.state import Tick, Torque
+from lbr.operations.joints.state import ServosSeen, Tick, Torque
 from lbr.operations.joints.view import joints_state
 from tests.operations.joints.joints_bench import BODY, DT, NAMES, START, Bench, frame
 
@@ -65,20 +65,22 @@ def test_positions_are_reached_smoothly_and_the_result_says_so(bench):
     (result,) = bench.results
     assert (result.goal, result.result) == (reply.goal, "reached")
     assert result.elapsed_s == pytest.approx(2.0, abs=2 * DT)
+    assert "reached" in {event.kind for event in bench.events}
     assert bench.state.leases.live is None
     assert not bench.setpoint.lost
 
 
+@pytest.mark.parametrize("asked", [{"duration_s": 0.1}, {"speed_rps": 8.0}])
 @pytest.mark.parametrize("join", [False, True])
-def test_speed_decides_how_long_it_takes_and_the_rows_speed_is_never_passed(bench, join):
+def test_speed_decides_how_long_it_takes_and_the_rows_speed_is_never_passed(bench, join, asked):
     slow = bench.command({"left_knee": -1.0}, speed_rps=0.5, join=join)
     assert slow.reason == ""
     bench.run(1.9, slow.lease)
     assert bench.results == []
     bench.run(0.2, slow.lease)
     assert last(bench)[0] == "reached"
-    fast = bench.command({"left_knee": 0.0}, duration_s=0.1, join=join)
-    assert fast.reason == "takes 0.75 s instead of 0.10: left_knee goes no faster than 2 rad/s"
+    fast = bench.command({"left_knee": -0.2}, join=join, **asked)
+    assert fast.reason == "takes 0.60 s instead of 0.10: left_knee goes no faster than 2 rad/s"
 
 
 @pytest.mark.parametrize(
@@ -139,11 +141,20 @@ def test_another_command_under_the_same_lease_goes_on_from_where_the_joint_was_t
     assert bench.goals["left_knee"] == pytest.approx(told, abs=0.02)
 
 
+def test_another_command_under_the_same_lease_goes_on_as_fast_as_the_joint_goes_already(bench):
+    lease = bench.command(SLOW, duration_s=2.0).lease
+    bench.run(1.0, lease)
+    told = bench.goals["left_knee"]
+    bench.command({"left_knee": -2.0}, duration_s=2.0, lease=lease)
+    bench.run(DT, lease)
+    assert told - bench.goals["left_knee"] == pytest.approx(1.5 / 2.0 * DT, rel=0.05)
+
+
 def test_the_same_command_again_is_a_renewal_for_any_time_and_so_is_the_lease_alone(bench):
     first = bench.command(SLOW, duration_s=1.0)
     for again in ({}, SLOW, {}):
         bench.run(0.2)
-        more = {"duration_s": 1.0, "ttl_s": 0.5} if again else {}
+        more = {"duration_s": 1.0, "ttl_s": 0.5, "asked_s": bench.now} if again else {}
         assert bench.command(again, lease=first.lease, **more).goal == first.goal
     bench.run(0.42, first.lease)
     assert last(bench)[0] == "reached"
@@ -244,7 +255,7 @@ def test_anybody_stops_every_joint_where_it_was_measured(bench):
     halts = bench.setpoint.halt
     assert bench.stop().accepted
     assert bench.goals["left_knee"] == pytest.approx(-0.2)
-    assert bench.setpoint.halt > halts
+    assert bench.setpoint.halt == halts + 1
     assert not bench.setpoint.lost
     assert last(bench) == ("stopped", "stopped by phone: test")
 
@@ -342,17 +353,20 @@ def test_a_driver_that_is_gone_ends_the_motion_and_back_again_is_taken_as_it_is(
 
 def test_a_joint_that_sags_under_its_load_is_taken_over_at_its_goal_and_not_where_it_sagged_to(bench):
     bench.standing()
-    knee, yaw = BODY.joints["left_knee"], BODY.joints["head_yaw"]
+    knee, yaw, other = BODY.joints["left_knee"], BODY.joints["head_yaw"], BODY.joints["right_knee"]
     bench.push("left_knee", -1.0)
     bench.push("head_yaw", 0.5)
+    bench.push("right_knee", 0.12)
     bench.servos.held_at = {
         knee.device_id: BODY.servo_rad("left_knee", -1.0 + bench.settings.tolerance_rad / 2),
         yaw.device_id: BODY.servo_rad("head_yaw", 0.5 - 3 * bench.settings.tolerance_rad),
+        other.device_id: BODY.servo_rad("right_knee", 0.13),
     }
     bench.restart()
     bench.run(0.1)
     assert bench.goals["left_knee"] == pytest.approx(-1.0 + bench.settings.tolerance_rad / 2)
     assert bench.goals["head_yaw"] == pytest.approx(0.5), "far from its goal it is held where it is"
+    assert bench.goals["right_knee"] == 0.1, "at its limit, if its goal is beyond that"
 
 
 def test_a_driver_that_has_just_begun_is_not_believed_before_it_knows_which_servos_have_torque(bench):
@@ -366,6 +380,15 @@ def test_a_driver_that_has_just_begun_is_not_believed_before_it_knows_which_serv
     bench.run(0.05)
     assert set(bench.goals) == set(NAMES)
     assert bench.goals["left_knee"] is None
+
+
+def test_a_driver_that_never_says_which_servos_have_torque_is_not_waited_for_for_ever():
+    bench = Bench()
+    bench.servos.unread = True
+    bench.run(2.9)
+    assert bench.setpoint is None
+    bench.run(0.2)
+    assert {goal.torque for goal in bench.setpoint.goals} == {0.0}
 
 
 def test_a_servo_that_is_heard_later_than_the_others_is_not_let_go_by_a_process_that_begins(bench):
@@ -386,6 +409,7 @@ def test_torque_is_not_switched_before_it_is_known_who_has_any(bench):
     bench.run(0.1)
     for on in (True, False):
         assert "the search for servos goes on" in bench.torque("left_knee", on=on).reason
+    assert bench.command(SLOW, torque=0.5).code == "not_ready"
 
 
 def test_a_driver_that_lost_its_line_lets_nothing_fall_when_it_is_back(bench, wording):
@@ -440,6 +464,27 @@ def test_a_servo_that_was_without_power_stays_without_torque_until_it_is_switche
     assert "left_knee" not in bench.goals, "the driver is to hear of it without torque first"
     bench.run(1.1)
     assert "left_knee" in bench.goals
+
+
+def test_joints_that_the_driver_has_let_go_get_torque_again_once_it_has_heard_of_them_without(bench):
+    bench.command(SLOW, duration_s=2.0)
+    bench.run(0.5)
+    bench.servos.released_at()
+    bench.run(0.05)
+    assert bench.torque(on=True).accepted
+    bench.run(0.04)
+    assert bench.goals == {}
+    bench.run(0.03)
+    assert set(bench.goals) == set(NAMES)
+
+
+@pytest.mark.parametrize(("ahead_s", "code"), [(-0.25, "unreachable"), (0.25, "")])
+def test_a_sweep_counts_from_its_arrival_and_never_from_later_than_now(bench, ahead_s, code):
+    bench.give(ServosSeen(servos=bench.servos.state(bench.now), arrived=bench.now + ahead_s))
+    bench.run(0.25, hear=False)
+    assert bench.command(SLOW).code == code
+    bench.run(0.25, hear=False)
+    assert bench.command(SLOW).code == "unreachable"
 
 
 def test_a_silent_driver_ends_the_motion(bench, wording):
@@ -668,6 +713,7 @@ def test_to_ways_that_joined_as_many_key_frames_may_be_appended_as_to_none(bench
     most = (frame(0.02, head_yaw=0.01),) * MAX_FRAMES
     reply = bench.command(frames=most, append=True, lease=lease)
     assert reply.code != "busy", reply.reason
+    assert joints_state(bench.state, bench.now).passed == 0
     bench.now += 1e-5
     assert bench.command(frames=most[:1], append=True, lease=lease).code == "busy"
 
@@ -683,6 +729,7 @@ def test_why_the_joints_stand_still_is_in_their_state(bench):
     assert bench.command(SLOW, source="far", remote=True, sender_s=5.0).accepted
     assert said() == ("not_ready", "waiting for far to confirm")
     bench.estop()
+    bench.lose_servos()
     assert said() == ("estop", "emergency stop: test")
 
 

@@ -73,6 +73,14 @@ def test_a_joint_that_is_measured_is_moved_from_there_also_when_that_ceases_on_t
     assert bench.goals["left_knee"] == -1.0
 
 
+def test_a_joint_that_is_measured_away_from_its_goal_is_named(bench):
+    bench.servos.doubted, bench.servos.stuck = set(), {KNEE}
+    bench.run(0.02)
+    reply = bench.command({"left_knee": -0.5}, torque=1.0, duration_s=0.5)
+    bench.run(1.1, reply.lease)
+    assert bench.results[-1].reason.endswith("left_knee is 0.50 rad away from its goal")
+
+
 def test_where_the_row_does_not_say_so_it_is_refused_by_name(wording):
     bench = Bench().standing()
     bench.servos.doubted = {KNEE}

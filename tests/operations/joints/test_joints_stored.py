@@ -86,6 +86,35 @@ def test_after_a_limp_one_no_joint_has_torque(bench):
     bench.run(0.02, reply.lease)
     assert bench.goals == {}
     assert last(bench)[0] == "reached"
+    assert bench.torque("left_knee", on=True).accepted
+    bench.run(0.03)
+    assert bench.goals == {}, "the driver is to hear of them without torque first"
+    bench.run(0.1)
+    assert set(bench.goals) == {"left_knee"}
+
+
+def test_a_servo_that_is_heard_only_after_a_limp_one_has_no_torque_either(bench):
+    bench.servos.missing = {20}
+    bench.restart()
+    reply = bench.run(0.05).command(stored=SIT)
+    bench.run(0.1, reply.lease)
+    bench.servos.plays("over")
+    bench.run(0.02, reply.lease)
+    bench.servos.missing, bench.servos.torque[20] = set(), 1.0
+    bench.hear()
+    bench.run(0.2)
+    assert bench.goals == {}
+
+
+def test_what_latches_while_the_controller_plays_is_told_afterwards(bench):
+    reply = bench.command(stored=WALK)
+    bench.run(0.1, reply.lease)
+    bench.servos.latched = {14: ("overload",)}
+    bench.run(0.1, reply.lease)
+    assert ("left_knee" in bench.state.on, bench.events[-1].kind) == (True, "holder")
+    bench.servos.plays("over")
+    bench.run(0.02, reply.lease)
+    assert ("left_knee" in bench.state.on, bench.events[-1].code) == (False, "latched")
 
 
 def test_a_driver_that_never_says_over_is_believed_by_its_time(bench):
@@ -222,6 +251,16 @@ def test_a_driver_that_does_not_take_it_up_ends_it(bench, wording):
     wording(*last(bench))
 
 
+def test_a_controller_that_waits_for_longer_than_it_would_play_has_failed(bench, wording):
+    reply = bench.command(stored=SIT)
+    bench.servos.plays("waiting")
+    bench.run(3.9, reply.lease)
+    assert bench.results == []
+    bench.run(0.2, reply.lease)
+    assert bench.results[-1].code == "timeout"
+    wording(*last(bench))
+
+
 def test_a_driver_that_is_gone_ends_it(bench):
     bench.command(stored=WALK)
     bench.lose_servos()
@@ -234,6 +273,7 @@ def test_a_driver_that_is_gone_ends_it(bench):
         {"positions": {"left_knee": 0.0}},
         {"torque": 0.4},
         {"stored": StoredMotion(slot=4, duration_s=float("nan"))},
+        {"stored": StoredMotion(slot=4, duration_s=0.0)},
         {"stored": StoredMotion(slot=4, duration_s=1.0, pose={"tail": 0.0})},
     ],
 )

@@ -59,6 +59,20 @@ def test_no_joint_is_ever_faster_than_its_limit(start, through, limit_rps, how, 
         assert gone <= limit_rps * (after_s - before_s) + 1e-9
 
 
+@given(pose, frames, st.floats(0.1, 5.0), st.sampled_from(["smooth", "linear"]))
+def test_it_is_no_slower_than_its_limits_demand(start, through, limit_rps, how):
+    way = plan(start, through, {"a": limit_rps, "b": limit_rps}, how)
+    steps = [(begin_s, (end_s - begin_s) / 50) for begin_s, end_s in pairwise(way.times_s)]
+    fastest = max(
+        abs(speed) for begin_s, by_s in steps for at in range(51) for speed in speeds(way, begin_s + at * by_s).values()
+    )
+    assert way.stretch == 1.0 or fastest == pytest.approx(limit_rps, rel=0.01)
+
+
+def test_a_way_whose_speed_rises_almost_evenly_counts_as_no_faster_than_it_is():
+    assert plan({"a": 0.0}, [frame(1.0, a=1.501), frame(1.0, a=4.5)], {"a": 5.0}, "smooth", {"a": 1.0}).stretch == 1.0
+
+
 @given(pose, frames, st.none() | pose)
 def test_a_smooth_way_has_no_jumps_in_its_speed(start, through, begun):
     way = plan(start, through, LIMITS, "smooth", begun)
