@@ -60,6 +60,7 @@ PARTS = {
         ("lbr/leases/*.py", "lbr/operations/lender.py"),
         (
             "tests/leases",
+            "tests/operations/test_lender.py",
             "tests/operations/drive",
             "tests/operations/joints/test_joints_capability.py",
             "tests/models",

@@ -95,14 +95,10 @@ class LeasingCapability(Capability[S], Generic[S, L]):
         """Read the inputs other than the driver's."""
 
     def driver_seen(self, received: Received) -> object:
-        """Return the event for a state of the driver."""
-        del received
-        return self.tick
+        """Return the event for a state of the `driver`, if there is one."""
 
     def driver_lost(self, names: str) -> object:
-        """Return the event for a lost driver."""
-        del names
-        return self.tick
+        """Return the event for a lost `driver`, if there is one."""
 
     def holder_gone(self, holder: str) -> object:
         """Return the event for a holder whose process is gone."""

@@ -7,7 +7,7 @@ from lbr.leases.holder import Holder
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand, GoalResult
 from lbr.messages.joints import JointsCommand
-from lbr.messages.leases import CommandReply, refused
+from lbr.messages.leases import CommandReply, StopCommand, refused
 from tests.leases.lending import Drive
 
 TARGET = LeaseTarget("go", "halt", "drive", "no answer from drive")
@@ -46,6 +46,7 @@ def test_a_renewal_is_sent_in_place_of_a_motion_that_would_begin_again(drive):
     stepped(drive, holder, 0.5)
     assert [message.positions for message in drive.sent][:2] == [{"neck": 0.1}, {}]
     assert all(not message.positions for message in drive.sent[1:])
+    assert 4 <= len(drive.sent) - 1 <= 6
 
 
 def test_a_drive_without_an_end_goes_over_into_another_and_any_other_motion_begins_anew(drive):
@@ -53,12 +54,14 @@ def test_a_drive_without_an_end_goes_over_into_another_and_any_other_motion_begi
     holder.begin(TARGET, SLOW)
     stepped(drive, holder, 0.1)
     assert holder.holds
-    holder.begin(TARGET, FAST)
+    assert holder.begin(TARGET, FAST) is holder.lease
     assert drive.sent[-1].power == 0.4
     assert (drive.sent[-1].lease, drive.halts) == ("L1", [])
-    holder.begin(TARGET, METRE)
+    stepped(drive, holder, 0.2)
+    assert (drive.sent[-1].power, holder.motion) == (0.4, FAST)
+    assert holder.begin(TARGET, METRE) is holder.lease
     assert drive.sent[-1].lease == ""
-    assert [halt.reason for halt in drive.halts] == ["another motion begins"]
+    assert drive.halts == [StopCommand(reason="another motion begins", own=True)]
 
 
 def test_the_end_is_told_once_and_stays_known_until_the_next_motion(drive):
@@ -69,7 +72,8 @@ def test_the_end_is_told_once_and_stays_known_until_the_next_motion(drive):
     assert stepped(drive, holder, 0.1, results=[result]) == [Reason("done", "there")]
     assert (holder.ended, holder.good, holder.asks) == (Reason("done", "there"), True, False)
     assert holder.release("it is over") is None
-    assert (holder.ended, drive.halts) == (None, [])
+    holder.change(SLOW)
+    assert (holder.ended, drive.halts, SLOW in drive.sent) == (None, [], False)
 
 
 @pytest.mark.parametrize(("code", "lost"), [("holder_gone", True), ("timeout", False)])

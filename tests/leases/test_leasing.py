@@ -1,16 +1,17 @@
 """Borrowing something that moves and has no wheels: what each function of the package promises."""
 
+from itertools import product
 from math import inf, nan
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from msgspec.structs import replace
 
 from lbr.leases import decide, ending, rules
 from lbr.leases.ask import resolve
 from lbr.leases.halts import Halts
 from lbr.leases.lease import (
+    IDLE,
     Ended,
     EstopChanged,
     Happened,
@@ -61,8 +62,8 @@ class Hand:
         self.ask(**more)
         return "" if self.reply.accepted else self.reply.code
 
-    def stop(self, source: str = "phone", *, whole: bool = False, own: bool = False, by: str = "") -> str:
-        event = Stop(source=source, received=self.now, whole=whole, own=own, by=by)
+    def stop(self, source: str = "phone", **said) -> str:
+        event = Stop(**{"source": source, "received": self.now} | said)
         self._take(*decide.stop(self.leases, event, self.now))
         return ""
 
@@ -92,13 +93,15 @@ def hand():
 
 
 def test_one_holder_at_a_time_unless_somebody_takes_over(hand):
-    assert hand.ask() == ""
+    assert hand.leases.reason.text == PHRASING.idle
+    assert (hand.ask(), hand.leases.reason) == ("", IDLE)
     hand.wait(0.01)
     assert hand.ask("clap", source="phone") == "held by console; stop it first"
     assert hand.ask("clap", source="phone", take_over=True) == ""
     assert hand.motion == "clap"
     assert hand.ends == [("wave", "superseded", True)]
-    assert hand.said[-1].text == "phone took the hand from console"
+    told = [(one.text, one.about) for one in hand.said if isinstance(one, Happened)]
+    assert told == [("console took the hand", "console"), ("phone took the hand from console", "console")]
 
 
 def test_a_lease_that_is_not_renewed_lapses_a_little_early_and_is_dead(hand):
@@ -110,6 +113,22 @@ def test_a_lease_that_is_not_renewed_lapses_a_little_early_and_is_dead(hand):
     assert hand.ends == [("wave", "lapsed", True)]
     assert hand.refusal(lease="lease1") == "dead_lease"
     assert (hand.reply.cause, "not renewed within 0.3 s" in hand.reply.note) == ("lapsed", True)
+
+
+def test_it_lapses_early_by_a_fifth_of_its_life_at_most(hand):
+    hand.ask(ttl_s=0.02)
+    for passed_s, lives in ((0.0155, True), (0.001, False)):
+        hand.wait(passed_s)
+        assert bool(hand.motion) is lives
+
+
+@pytest.mark.parametrize("remote", [False, True])
+def test_without_a_reserve_it_lives_for_just_as_long_as_it_says(hand, remote):
+    hand.leases = first(PHRASING, 0.25)
+    hand.ask(remote=remote)
+    for passed_s, lives in ((0.234375, True), (0.015625, False)):
+        hand.wait(passed_s)
+        assert bool(hand.leases.offers if remote else hand.leases.live) is lives
 
 
 def test_who_had_a_lease_of_before_a_restart_hears_of_that_and_a_program_what_to_do():
@@ -127,19 +146,41 @@ def test_the_same_again_renews_and_another_motion_changes_under_one_lease(hand):
     assert hand.ends == [("wave", "superseded", False)]
 
 
+def test_rest_that_was_overtaken_brings_no_motion_of_before_back(hand):
+    hand.ask()
+    assert hand.ask("", lease="lease1", received=hand.now - 0.1) == ""
+    assert hand.refusal(what="clap", lease="lease1", received=hand.now - 0.05) == "repeated"
+
+
 def test_what_was_sent_before_a_stop_begins_nothing(hand):
     sent = hand.now
     hand.wait(0.1)
     hand.stop()
-    assert hand.refusal(received=sent) == "stopped"
+    assert (hand.leases.reason.text, hand.leases.stopped_by) == ("stopped by phone", "phone")
+    assert [hand.refusal(received=at) for at in (sent, hand.now)] == ["stopped", "stopped"]
     hand.wait(0.01)
     assert hand.ask() == ""
+
+
+def test_a_stop_that_a_later_one_has_overtaken_lets_nothing_of_between_begin(hand):
+    hand.stop()
+    hand.stop("page", received=hand.now - 0.1)
+    assert hand.refusal(received=hand.now - 0.05) == "stopped"
+    assert hand.leases.stopped_by == "phone"
 
 
 def test_rest_is_asked_for_by_anybody_and_moves_nothing(hand):
     hand.ask()
     assert hand.ask("", source="a stranger") == ""
     assert not hand.motion
+
+
+def test_who_sent_on_without_its_lease_may_still_have_rest_under_it(hand):
+    hand.ask()
+    hand.wait(0.01)
+    assert hand.refusal() == "held"
+    assert hand.ask("", lease="lease1") == ""
+    assert (hand.motion, hand.leases.live.id) == ("", "lease1")
 
 
 def test_from_afar_nothing_moves_until_the_offer_is_quoted(hand):
@@ -149,6 +190,26 @@ def test_from_afar_nothing_moves_until_the_offer_is_quoted(hand):
     assert hand.ask(remote=True, source="page", lease="lease1") == ""
     assert hand.motion == "wave"
     assert hand.ends == [], "what confirms an offer goes on with it"
+
+
+def test_of_offers_the_eight_newest_wait(hand):
+    for number in range(10):
+        hand.ask(remote=True, source=f"page {number}")
+        newest = [f"page {earlier}" for earlier in range(max(0, number - 7), number + 1)]
+        assert [offer.source for offer in hand.leases.offers] == newest
+
+
+@pytest.mark.parametrize(("offer_s", "confirmation_s"), [(0.1, 0.0), (0.0, 0.1)])
+def test_the_quickest_message_under_a_lease_dates_those_after_it(hand, offer_s, confirmation_s):
+    page = {"remote": True, "source": "page"}
+    hand.ask(**page, sender_s=hand.now - offer_s)
+    hand.wait(0.15)
+    hand.ask(**page, sender_s=hand.now - confirmation_s, lease="lease1")
+    began = hand.now
+    hand.wait(0.18)
+    assert hand.ask(**page, sender_s=began + 0.03, lease="lease1") == ""
+    hand.wait(0.17)
+    assert not hand.motion
 
 
 def test_an_offer_that_is_answered_with_something_else_is_superseded(hand):
@@ -169,7 +230,7 @@ def test_the_emergency_stop_refuses_all_and_whoever_insisted_has_to_pause(hand):
     hand.wait(0.1)
     assert hand.refusal() == "rest_first"
     assert PHRASING.rest in hand.reply.reason
-    hand.wait(0.3)
+    hand.wait(rules.PERSISTENT_S)
     assert hand.ask() == ""
 
 
@@ -201,16 +262,27 @@ def test_a_stream_through_the_emergency_stop_moves_nothing_after_the_reset(hand,
         assert not hand.motion
 
 
+def test_who_sent_without_permission_is_forgotten_a_second_after_its_pause(hand):
+    hand.latch(engaged=True)
+    for source, passed_s, noted in (("a", 0.0, {"a"}), ("b", 1.0, {"a", "b"}), ("c", rules.PERSISTENT_S, {"b", "c"})):
+        hand.wait(passed_s)
+        assert hand.refusal(source=source) == "estop"
+        assert hand.leases.persistent.keys() == noted
+
+
 def test_a_clock_that_went_back_ends_all_and_lets_begin_anew(hand):
+    hand.stop()
+    hand.wait(0.01)
     hand.ask()
     hand._take(*ending.lose_time(hand.leases, hand.now, 5.0))
     hand.now = 5.0
-    assert not hand.motion
+    assert (hand.motion, hand.leases.stopped_by) == ("", "")
     hand.wait(0.01)
-    assert hand.ask() == ""
+    assert hand.refusal(waited_s=0.02) == "stopped_since"
+    assert hand.ask(waited_s=0.005) == ""
 
 
-@pytest.mark.parametrize(("paused_s", "code"), [(0.1, "rest_first"), (0.3, "")])
+@pytest.mark.parametrize(("paused_s", "code"), [(0.1, "rest_first"), (rules.PERSISTENT_S, "")])
 def test_a_clock_that_went_back_makes_no_stream_of_before_a_new_wish(hand, paused_s, code):
     hand.latch(engaged=True)
     hand.ask()
@@ -237,6 +309,11 @@ def test_a_clock_that_went_back_makes_no_stream_of_before_a_new_wish(hand, pause
 def test_what_makes_no_sense_is_refused_in_words(hand, fields, code, about):
     assert hand.refusal(**fields) == code
     assert all(name in hand.reply.reason for name in about), hand.reply.reason
+
+
+@pytest.mark.parametrize(("age_s", "code"), [(0.25, ""), (0.251, "late")])
+def test_a_command_may_be_just_as_old_as_it_says(hand, age_s, code):
+    assert hand.refusal(received=hand.now - age_s, patience_s=0.25) == code
 
 
 @given(
@@ -278,15 +355,15 @@ def test_every_hold_that_began_ends_once_and_no_dead_lease_moves(steps):
 
 
 def test_changes_of_holder_in_a_flood_are_counted_and_not_told(hand):
-    hand.leases = replace(hand.leases, tally=replace(hand.leases.tally, budget=1.0, at=hand.now))
-    for _ in range(3):
-        hand.ask()
-        hand.stop()
-        hand.now += 0.001
-    assert sum(isinstance(one, Happened) for one in hand.said) == 1
-    hand.wait(1.0)
+    for told in (20, 25):
+        for _ in range(30):
+            hand.ask()
+            hand.stop()
+            hand.now += 0.001
+        assert sum(isinstance(one, Happened) for one in hand.said) == told
+        hand.wait(1.0)
     hand.ask()
-    assert "(and 5 changes" in hand.said[-1].text
+    assert "(and 55 changes" in hand.said[-1].text
 
 
 @pytest.mark.parametrize(("waited_s", "moves"), [(0.0, True), (0.9, True), (1.0, False), (5.0, False), (nan, False)])
@@ -327,9 +404,13 @@ def test_the_end_of_a_holders_own_motion_is_no_stop_of_the_robot_unless_it_says_
 
 def test_what_waited_through_an_emergency_stop_and_its_reset_moves_nothing(hand):
     hand.wait(10.0)
-    hand.latch(engaged=True)
-    hand.wait(0.1)
-    hand.latch(engaged=False)
+    hand.stop()
+    named = {True: "emergency stop: button", False: "the emergency stop was reset"}
+    for (engaged, why), by in zip(named.items(), ("the emergency stop", "the emergency stop's reset"), strict=True):
+        hand.wait(0.1)
+        hand.latch(engaged=engaged)
+        leases = hand.leases
+        assert (leases.reason.text, leases.halts.source, leases.stopped_by) == (why, by, "")
     hand.wait(1.0)
     assert hand.ask(waited_s=1.5).startswith(STOPPED_SINCE)
     assert hand.ask(waited_s=0.5) == ""
@@ -359,27 +440,13 @@ def test_how_long_it_waited_counts_by_its_senders_clock_alone(hand):
     assert hand.ask(remote=True, sender_s=-1e6, waited_s=0.5) == ""
 
 
-@given(st.lists(st.tuples(st.integers(0, 9), st.sampled_from("abc")), max_size=12), st.sampled_from("abcd"))
-def test_the_last_stop_by_another_is_known_whatever_came_before(stops, asker):
-    halts = Halts()
-    latest = -inf
-    for at, source in stops:
-        halts = halts.noted(max(latest, at), source)
-        latest = max(latest, at)
-    others = []
-    latest = -inf
-    for at, source in stops:
-        latest = max(latest, at)
-        others += [latest] if source != asker else []
-    assert halts.by_others(asker)[0] == max(others, default=-inf)
-
-
-@given(st.lists(st.tuples(st.integers(0, 9), st.sampled_from("abc")), max_size=12), st.sampled_from("abcd"))
-def test_stops_in_any_order_are_never_taken_for_later_than_the_last(stops, asker):
-    halts = Halts()
-    for at, source in stops:
-        halts = halts.noted(at, source)
-    assert halts.by_others(asker)[0] <= max((at for at, source in stops if source != asker), default=-inf)
+@pytest.mark.parametrize("asker", "abcd")
+def test_the_last_stop_by_another_is_known_in_whatever_order_they_are_heard_of(asker):
+    for stops in product(product(range(3), "abc"), repeat=3):
+        halts = Halts()
+        for at, source in stops:
+            halts = halts.noted(at, source)
+        assert halts.by_others(asker)[0] == max((at for at, source in stops if source != asker), default=-inf), stops
 
 
 PEOPLE = st.sampled_from(["ann", "bob", "cy"])
