@@ -1,6 +1,7 @@
 """The UPS PIco's driver against its emulated supply, which was written from the same manual by other means."""
 
 import errno
+from functools import partial
 from types import SimpleNamespace
 
 import pytest
@@ -9,13 +10,13 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from lbr.drivers.i2c_socket import SocketBus
-from lbr.drivers.pico import KIND, registers, relay
+from lbr.drivers.pico import KIND, capability, registers, relay
 from lbr.errors import DeviceError, MalformedError
 from lbr.messages.power import RelayCommand
 from lbr.simulation.devices.pico.twin import Pico as Chip
 from lbr.simulation.i2c import Message, refusal, transfer
 from lbr.testing import FakeCall
-from tests.drivers.i2c_peer import Server
+from tests.drivers.i2c_peer import MemoryBus, Server
 from tests.drivers.peers import DriverContext
 
 PACE_S = 0.1
@@ -85,20 +86,21 @@ class Bench(DriverContext):
 
 
 class Running:
-    """The driver on the wire to a chip whose time goes on with the test's."""
+    """The driver on a bus in memory to a chip whose time goes on with the test's."""
 
-    def __init__(self, path, **settings):
+    def __init__(self, patch, path, **settings):
         self.chip, self.skip = Chip(), 0
         self.ctx = Bench(KIND.settings(device="ups", pace_s=PACE_S, **settings), f"unix:{path}")
-        self.server = Server(path, self._answer)
-        self.log = self.server.log
+        bus = MemoryBus(self.answer)
+        patch.setattr(capability, "open_bus", lambda _device, address: (bus, address))
+        self.log = bus.log
         self.ups = KIND.load()(self.ctx)
         self.ups.open()
 
     def faults(self, **faults):
         self.chip.faults = replace(self.chip.faults, **faults)
 
-    def _answer(self, messages):
+    def answer(self, messages):
         if self.skip:
             self.skip -= 1
             return refusal()
@@ -132,17 +134,8 @@ class Running:
 
 
 @pytest.fixture
-def make(tmp_path):
-    made = []
-
-    def make(**settings):
-        made.append(Running(tmp_path / "ups", **settings))
-        return made[-1]
-
-    yield make
-    for one in made:
-        one.ups.close()
-        one.server.finish()
+def make(tmp_path, monkeypatch):
+    return partial(Running, monkeypatch, tmp_path / "ups")
 
 
 def command(running, *, on):
@@ -358,11 +351,13 @@ def test_whatever_the_bus_gives_is_told_or_a_device_error(answers):
 
 
 @pytest.fixture
-def wired(make):
-    """A supply whose wire is free."""
+def wired(make, tmp_path, monkeypatch):
+    """A supply on a wire, at whose other end a thread may be held up."""
+    monkeypatch.setattr(SocketBus.__init__, "__defaults__", (None, 5.0))
     running = make()
-    running.ups.close()
-    return running
+    server = Server(tmp_path / "ups", running.answer)
+    yield running
+    server.finish()
 
 
 def arguments(running, *words):
