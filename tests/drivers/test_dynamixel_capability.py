@@ -131,7 +131,7 @@ def rig(start):
 def test_starting_moves_nothing_and_tells_every_servo(rig, chain):
     rig.until(rig.seen)
     state = rig.ctx.state
-    assert state.phase == "released"
+    assert (state.phase, state.halt) == ("released", 0)
     assert state.armed
     assert [servo.raw for servo in state.servos] == [513, 514, 515]
     assert rig.servo(1).position_rad == pytest.approx(0.00512, abs=1e-5)
@@ -156,6 +156,9 @@ def test_its_state_tells_whether_anything_came_over_its_line(rig):
     rig.until(lambda: rig.ctx.state.heard is False)
     rig.ctx.device.tap.came(b"\xff")
     rig.until(lambda: rig.ctx.state.heard)
+    rig.close()
+    rig.driver.degraded("away")
+    assert rig.ctx.state.heard is None
 
 
 def test_torque_comes_on_where_the_servo_is(rig, chain):
@@ -265,7 +268,8 @@ def test_an_overload_is_latched_until_it_is_recovered_and_recovering_moves_nothi
     rig.on()
 
 
-def test_a_recovery_is_answered_when_all_of_its_servos_were_tried(rig):
+@pytest.mark.parametrize("asked", [True, False])
+def test_a_recovery_is_answered_when_all_of_its_servos_were_tried(rig, asked):
     rig.on()
     session, jobs = rig.driver._session, [Future(), Future()]
     waiting = iter(jobs)
@@ -278,9 +282,10 @@ def test_a_recovery_is_answered_when_all_of_its_servos_were_tried(rig):
     jobs[0].set_result("")
     rig.driver.answer(session)
     assert call.answer is None
-    jobs[1].set_result("is still too hot")
+    jobs[1].set_result("is still too hot") if asked else jobs[1].cancel()
     rig.driver.answer(session)
     assert call.answer.code == "failed"
+    assert ("joint_1" in call.answer.reason, "joint_2" in call.answer.reason) == (False, True)
 
 
 def test_every_sweep_is_published_at_once(rig):
@@ -294,6 +299,26 @@ def test_every_sweep_is_published_at_once(rig):
         return any(later - first == 4 for first, later in zip(sweeps, sweeps[4:], strict=False))
 
     rig.until(five_in_a_row)
+
+
+def test_a_recovery_of_a_servo_that_no_joint_has_or_of_a_line_that_is_away_is_refused(rig):
+    rig.until(rig.seen)
+    calls = [FakeCall("recover", RecoverServos(ids=ids)) for ids in ((1, 9), ())]
+    rig.driver.command(calls[0])
+    rig.close()
+    rig.driver.command(calls[1])
+    assert [call.answer.code for call in calls] == ["unknown_name", "unreachable"]
+    assert "servo 9" in calls[0].answer.reason
+
+
+def test_a_recovery_that_waits_is_refused_once_when_its_line_goes(rig):
+    rig.on()
+    rig.driver._session.targets.servos[1].latched = ("overload",)
+    call = FakeCall("recover", RecoverServos())
+    rig.driver.command(call)
+    rig.driver.degraded("unplugged")
+    rig.driver.degraded("unplugged")
+    assert (call.answer.code, call.answer.reason) == ("unreachable", "unplugged")
 
 
 def test_a_servo_that_is_still_hot_is_not_recovered(rig, chain):
@@ -319,6 +344,7 @@ def test_a_servo_without_power_is_named_and_never_comes_back_with_torque_by_itse
     rig.until(lambda: "lost its torque" in rig.servo(2).reason)
     assert chain.servos[2].torque == 0
     rig.until(lambda: rig.ctx.health[-1] == "ready")
+    assert [phase == "ready" for phase in rig.ctx.health] == [True, False, True]
 
 
 @pytest.mark.parametrize("end", [{"halt": 2}, {"halt": 1, "lost": True}, "estop"])

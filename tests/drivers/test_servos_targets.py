@@ -2,6 +2,7 @@
 
 from concurrent.futures import Future
 from itertools import pairwise
+from operator import itemgetter
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -19,19 +20,19 @@ PLACE = {"error": 0, "position": 512, "speed": 0, "position_rad": 0.0, "load_fra
 
 
 class Line:
-    """A bus's thread that keeps jobs until the test does them."""
+    """A bus's thread that keeps jobs until the test does them, stops first."""
 
     def __init__(self):
         self.jobs = []
 
-    def submit(self, job, _priority, _key=None):
+    def submit(self, job, priority, _key=None):
         future = Future()
-        self.jobs.append((job, future))
+        self.jobs.append((priority, job, future))
         return future
 
     def work(self, bus):
-        jobs, self.jobs = self.jobs, []
-        for job, future in jobs:
+        jobs, self.jobs = sorted(self.jobs, key=itemgetter(0)), []
+        for _, job, future in jobs:
             if future.set_running_or_notify_cancel():
                 future.set_result(job(bus))
 
@@ -66,7 +67,7 @@ MODEL = SimpleNamespace(
     speed_raw=lambda _speed: 100,
     torque_raw=lambda share: round(share * 1000),
     most_torque=lambda _servo: 1000,
-    position_raw=lambda _angle: 512,
+    position_raw=lambda angle_rad: 512 + round(100 * angle_rad),
     holding_goal=lambda position, _speed, _goal: position,
 )
 
@@ -100,9 +101,9 @@ class Bench:
         return snapshot
 
     def on(self):
-        while not self.targets.servos[1].on:
+        for _ in range(3):
             self.step()
-        self.step()
+        assert self.targets.servos[1].on
         self.told.clear()
 
 
@@ -185,6 +186,23 @@ def test_a_goal_that_asks_for_less_torque_gets_it_at_once():
     assert bench.bus.limits == [300]
 
 
+def test_a_goal_that_changes_is_sent_at_once_and_one_that_does_not_ten_times_a_second_or_twice_at_rest():
+    bench = Bench()
+    bench.on()
+    for _ in range(20):
+        bench.step()
+    bench.hear(ServoGoal(id=1, position_rad=0.1), after_s=0.01)
+    bench.step(follows=False)
+    assert bench.bus.goals[-1] == (522, 100)
+    bench.step()
+    assert bench.bus.goals[-1] == (512, 100)
+    bench.bus.goals.clear()
+    for times in (4, 8):
+        for _ in range(45 if times == 4 else 200):
+            bench.step()
+        assert bench.bus.goals == [(512, 100)] * times
+
+
 def test_why_a_servo_gets_no_torque_is_told_once_for_each_reason():
     bench = Bench()
     for reason, times in (("is too hot", 1), ("does not answer", 2)):
@@ -203,6 +221,14 @@ def test_torque_that_was_found_is_left_before_any_setpoint_came_and_taken_once_o
     bench.hear(after_s=0.01)
     bench.step(follows=False)
     assert not bench.bus.torque
+
+
+def test_torque_that_was_found_with_an_old_position_is_held_once_there_is_a_new_one():
+    bench = Bench()
+    bench.bus.torque, bench.age_s = True, 0.06
+    for bench.age_s in (0.06,) * 5 + (0.04,) * 5:
+        bench.step(follows=False)
+        assert bench.bus.placed == ([] if bench.age_s > 0.05 else [512])
 
 
 def test_no_servo_gets_torque_before_the_guard_listens():
@@ -272,6 +298,35 @@ def test_a_goal_that_waits_for_the_line_does_not_come_after_a_stop():
     bench.targets.hold(snapshot)
     bench.line.work(bench.bus)
     assert (bench.bus.goals, bench.bus.placed[-1:]) == ([], [512])
+
+
+def test_a_servo_that_is_just_getting_torque_gets_none_after_a_release():
+    bench = Bench()
+    for _ in range(3):
+        bench.step(works=False)
+    assert bench.targets.turning
+    bench.targets.release("over")
+    bench.line.work(bench.bus)
+    assert not bench.bus.torque
+    assert not bench.targets.turning
+
+
+def test_a_servo_that_was_never_read_is_released_too_as_it_may_have_torque():
+    bench = Bench()
+    bench.bus.torque = True
+    bench.targets.release("over")
+    bench.line.work(bench.bus)
+    assert not bench.bus.torque
+
+
+def test_torque_that_was_lost_before_a_hold_is_told_all_the_same():
+    bench = Bench()
+    bench.on()
+    bench.targets.hold(bench.step(follows=False, works=False))
+    bench.line.work(bench.bus)
+    bench.bus.torque, bench.slow_age_s = False, 0.011
+    bench.step(follows=False)
+    assert bench.told == ["torque_lost"]
 
 
 def test_a_release_is_confirmed_once_every_servo_was_read_without_torque():
@@ -419,6 +474,18 @@ def test_a_servo_that_reports_another_error_is_looked_at_next():
     assert set(read) == {1, 2, 3}
 
 
+def test_an_adapter_that_leaves_out_the_servos_errors_does_not_hide_them():
+    polled, waits_s = Polled(bus := Deaf(busy=False), (1, 2), 0.01, rest_period_s=0.1), []
+    bus.together_errors, bad = False, SimpleNamespace(**{**PLACE, "error": 0x20})
+    slow = bus.read_state(1, 0.0)[1]
+    bus.read_state = lambda servo, _patience_s: (bad, slow) if servo == 1 else (bus.motion, slow)
+    while polled.now < 2.0:
+        waits_s.append(polled.poller.turn(bus))
+        polled.now += waits_s[-1]
+        assert polled.snapshot.sweep < 3 or [polled.snapshot.servos[servo].error for servo in (1, 2)] == [0x20, 0]
+    assert max(waits_s) > 0.09, "nor do they end the rest"
+
+
 def test_a_servo_that_falls_silent_and_comes_back_is_told_once_each_and_is_looked_for_ever_more_seldom():
     bus, told, asked, silent = Deaf(together=False), [], [], set()
     polled = Polled(bus, (1, 2), tell=lambda kind, *_: told.append(kind))
@@ -443,6 +510,23 @@ def test_a_servo_that_falls_silent_and_comes_back_is_told_once_each_and_is_looke
     polled.sweep(300)
     assert told == ["servo_silent", "servo_back"]
     assert not polled.snapshot.servos[2].reason
+
+
+def test_sweeps_and_answers_are_counted_and_a_sweep_is_timed():
+    polled = Polled(bus := Deaf(together=False), (1, 2), 0.01)
+    answer = bus.read_motion
+
+    def read(servo):
+        polled.now += 0.001
+        return answer(servo)
+
+    bus.read_motion = read
+    while polled.now < 2.5:
+        wait_s = polled.poller.turn(bus)
+        polled.now += wait_s
+    assert polled.snapshot.sweep_s == pytest.approx(0.001)
+    assert polled.snapshot.sweeps_hz == pytest.approx(100.0, rel=0.02)
+    assert polled.snapshot.states_hz == pytest.approx(200.0, rel=0.02)
 
 
 def test_before_the_first_round_nothing_was_read_at_any_rate():

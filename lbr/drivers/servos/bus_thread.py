@@ -62,8 +62,7 @@ class BusThread(Generic[Bus]):
         with self._changed:
             self._ending = True
             self._changed.notify()
-        if self._thread.is_alive():
-            self._thread.join(within_s)
+        self._thread.join(within_s)
         return not self._thread.is_alive()
 
     def turn(self, wait_s: float = 0.0) -> float | None:

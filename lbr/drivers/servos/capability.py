@@ -57,7 +57,6 @@ class Servos(Capability[S], ABC, Generic[S, T]):
         super().__init__(ctx)
         self._joints = {joint.device_id: joint.name for joint in ctx.rows(Joint)}
         self._gate = first(ctx.clock())
-        self._valid_s = ctx.settings.setpoint_valid_s
         self._session: T | None = None
         self._events: queue.SimpleQueue[tuple[str, str, str]] = queue.SimpleQueue()
         self._left_on = self._lost = False

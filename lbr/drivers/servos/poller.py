@@ -87,7 +87,6 @@ class Poller(Generic[B]):
         self._counted_at = -inf
         self._counted = (0, 0)
         self._states = 0
-        self._rates = (0.0, 0.0)
 
     def look(self, servos: Sequence[int]) -> None:
         """Read all values of these servos next, before the sweep continues; call it in the bus's thread."""
@@ -252,15 +251,15 @@ class Poller(Generic[B]):
         ]
 
     def _finish(self, *, together: bool) -> None:
-        now = self._clock()
+        now, rates = self._clock(), (self.snapshot.sweeps_hz, self.snapshot.states_hz)
         if now - self._counted_at >= STATISTICS_S:
             sweeps, states = self._counted
             passed_s = now - self._counted_at
-            self._rates = ((self.snapshot.sweep + 1 - sweeps) / passed_s, (self._states - states) / passed_s)
+            rates = ((self.snapshot.sweep + 1 - sweeps) / passed_s, (self._states - states) / passed_s)
             self._counted_at, self._counted = now, (self.snapshot.sweep + 1, self._states)
         servos = {servo.id: servo.seen for servo in self._servos.values()}
         self.snapshot = Snapshot(
-            self.snapshot.sweep + 1, now, servos, *self._rates, sweep_s=now - self._began, together=together
+            self.snapshot.sweep + 1, now, servos, *rates, sweep_s=now - self._began, together=together
         )
 
     def _looks_seen(self) -> None:
