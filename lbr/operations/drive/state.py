@@ -150,7 +150,6 @@ class State(Struct, frozen=True, kw_only=True):
     limited: Limit = FREE
     blocked_since: float = nan
     reported_rule: str = ""
-    reported_stop: bool = False
     reported_at: float = nan
 
     @property

@@ -27,8 +27,7 @@ def next_wheels(state: State, now: float) -> State:
     state = replace(state, odometer=odometer, memory=remembered, ticked=now)
     lease = state.lease
     if lease is None:
-        still = replace(state, left=0.0, right=0.0, aside=0.0)
-        return replace(still, limited=FREE, blocked_since=nan, reported_rule="", reported_stop=False)
+        return replace(state, left=0.0, right=0.0, aside=0.0, limited=FREE, reported_rule="")
     active = lease.motion
     goal = goals.driven(active.goal, state, elapsed_s, now)
     asked = active.sides
@@ -43,8 +42,7 @@ def next_wheels(state: State, now: float) -> State:
     sides = times(sides, between.scale)
     left, right, aside = times(sides, state.base.fitting(*sides, settings.max_power))
     state = replace(state, leases=with_motion(state.leases, replace(active, goal=goal)))
-    blocked = active.power > 0.0 and not limited.scale > 0.0
-    since = (now if isnan(state.blocked_since) else state.blocked_since) if blocked else nan
+    since = nan if limited.scale > 0.0 else now if isnan(state.blocked_since) else state.blocked_since
     begun = now if stands else state.begun
     return replace(state, left=left, right=right, aside=aside, limited=limited, blocked_since=since, begun=begun)
 
@@ -53,7 +51,7 @@ def setpoint_of(state: State, lease: str) -> MotorSetpoint:
     """Return the setpoint of the motors, by name if they are others than `left` and `right`."""
     base = state.base
     motors = {} if base.two else dict(zip(base.motors, base.powers(*state.sides), strict=True))
-    moving_s = max(0.0, state.ticked - state.begun) if any(state.sides) else 0.0
+    moving_s = state.ticked - state.begun if any(state.sides) else 0.0
     return MotorSetpoint(left=state.left, right=state.right, lease=lease, motors=motors, moving_s=moving_s)
 
 
@@ -72,7 +70,7 @@ def tell(state: State, now: float) -> tuple[State, Outputs]:
     limited = state.limited
     stops = limited.direction is not None and not limited.scale > 0.0
     key = f"{'stop' if stops else 'slow'} {limited.direction}" if limited.direction else ""
-    newly_stopped = stops and not state.reported_stop
+    newly_stopped = stops and not state.reported_rule.startswith("stop")
     if key == state.reported_rule or not (
         state.reported_rule == "" or newly_stopped or now - state.reported_at >= REPORT_AGAIN_S
     ):
@@ -80,7 +78,7 @@ def tell(state: State, now: float) -> tuple[State, Outputs]:
     level: Level = "warning" if stops else "info"
     code = limited.code if limited.direction else ""
     change = Happened(kind="rule", text=_sentence(limited, stops=stops), level=level, code=code)
-    return replace(state, reported_rule=key, reported_stop=stops, reported_at=now), (change,)
+    return replace(state, reported_rule=key, reported_at=now), (change,)
 
 
 def _sentence(limited: Limit, *, stops: bool) -> str:

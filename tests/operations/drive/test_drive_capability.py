@@ -93,7 +93,7 @@ def test_zero_is_published_from_the_start_and_twice_a_second_once_armed_motors_r
         robot.ctx.published.clear()
         robot.run(seconds, goes_on, hear=False)
         setpoints = robot.ctx.said("setpoint")
-        assert {(each.left, each.right) for each in setpoints} == {(0.0, 0.0)}
+        assert {(each.left, each.right, each.moving_s) for each in setpoints} == {(0.0, 0.0, 0.0)}
         assert len(setpoints) >= (23 if seconds < 1.0 else least)
     assert len(setpoints) <= most
 

@@ -3,9 +3,12 @@
 from math import inf, nan
 
 import pytest
+from msgspec.structs import replace
 
 from lbr.messages.drive import CheckVerdict
 from lbr.operations.drive.kernel import drive_state
+from lbr.operations.drive.rules import FREE, Limit
+from lbr.operations.drive.wheels import tell
 from tests.operations.drive.drive_bench import Bench, motors, ranges
 
 STILL = (0.0, 0.0)
@@ -320,6 +323,16 @@ def test_a_change_of_sense_goes_through_zero(bench):
     assert bench.wheels == pytest.approx((-0.04, -0.04))
 
 
+def test_wheels_grow_by_the_time_of_a_late_round_up_to_a_limit_but_from_rest_by_that_of_one_in_time(bench):
+    bench.event_tick()
+    seen = []
+    for late_s in (0.06, 0.06, 0.12):
+        bench.now += late_s
+        bench.event_tick() if seen else bench.drive(1.0)
+        seen.append(bench.wheels[0])
+    assert seen == pytest.approx([0.04, 0.16, 0.36])
+
+
 def test_an_arc_keeps_its_shape_while_it_grows_and_while_a_rule_slows_it(bench):
     bench.noise_m = 0.001
     bench.see(forward=0.6)
@@ -371,6 +384,8 @@ def test_the_state_names_the_rule_and_the_reason(bench):
     state = drive_state(bench.state, bench.now)
     assert state.reason == "stopped by forward 0.20 m is inside 0.30 m"
     assert (state.moving, state.holder, state.limited_by) == (False, "console", "forward 0.20 m")
+    bench.stop()
+    assert drive_state(bench.state, bench.now).limited_by == ""
 
 
 def test_a_rule_on_the_edge_does_not_flood_the_events(bench):
@@ -381,12 +396,22 @@ def test_a_rule_on_the_edge_does_not_flood_the_events(bench):
     assert 1 <= len([event for event in bench.events if event.kind == "rule"]) <= 10
 
 
-def test_the_end_of_a_rule_is_an_event_too(bench):
-    reply = moving(bench)
-    for step in range(12):
-        bench.see(forward=(0.4 if step < 6 else 3.0) + 0.01 * step)
-        bench.run(0.1, renewing(bench, reply), sense_each=2)
-    assert [event.code for event in bench.events if event.kind == "rule"] == ["obstacle", ""]
+def test_what_rules_do_is_told_when_it_changes_once_a_second_but_a_first_stop_at_once(bench, wording):
+    slow = Limit(scale=0.5, direction="forward", text="forward 0.40 m")
+    stop, aside = (Limit(scale=0.0, direction=side, detail=f"{side} 0.20 m") for side in ("forward", "left"))
+    state, told = bench.state, []
+    for at, limited in (
+        (0.0, slow), (0.5, slow), (0.75, stop), (1.5, aside), (1.75, aside), (2.5, slow), (2.75, slow), (2.8, stop),
+        (3.75, FREE), (3.8, FREE),
+    ):  # fmt: skip
+        state, events = tell(replace(state, limited=limited), at)
+        told += [(at, event.level, event.code) for event in events]
+        wording(*(event.text for event in events))
+    warning = ("warning", "obstacle")
+    assert told == [
+        (0.0, "info", "obstacle"), (0.75, *warning), (1.75, *warning), (2.75, "info", "obstacle"), (2.8, *warning),
+        (3.8, "info", ""),
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("how", "level"), [("stopped", "info"), ("lapsed", "warning"), ("fault", "warning")])
