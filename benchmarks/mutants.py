@@ -68,11 +68,21 @@ PARTS = {
         ),
         stops=True,
     ),
-    "drive": Part(("lbr/operations/drive/*.py",), ("tests/operations/drive", "tests/models"), stops=True),
+    "drive": Part(
+        ("lbr/operations/drive/*.py",),
+        ("tests/operations/drive", "tests/models", "tests/docs/test_pages.py"),
+        stops=True,
+    ),
     "joints": Part(("lbr/operations/joints/*.py",), ("tests/operations/joints", "tests/models"), stops=True),
     "wheels": Part(
         ("lbr/drivers/wheels/*.py", "lbr/drivers/setpoint_gate.py"),
-        ("tests/drivers/test_wheels*.py", "tests/drivers/test_setpoint_gate.py", "tests/testing", "tests/drivers/test_roboteq*.py"),
+        (
+            "tests/drivers/test_wheels*.py",
+            "tests/drivers/test_setpoint_gate.py",
+            "tests/testing",
+            "tests/drivers/test_roboteq*.py",
+            "tests/docs/test_pages.py",
+        ),
         stops=True,
     ),
     "servos": Part(

@@ -12,14 +12,14 @@ from lbr.operations.drive import distance_goal, turn_goal
 from lbr.operations.drive.command import Motion, sides_of
 from lbr.operations.drive.goals import not_plausible
 from lbr.operations.drive.limits import limit
-from lbr.operations.drive.rules import FREE, Limit
+from lbr.operations.drive.rules import Limit
 from lbr.operations.drive.state import ActiveMotion, Command, State, motors_trouble
 
 
-def judge(state: State, event: Command, ask: Ask[ActiveMotion], *, checked: bool = True) -> Reason | Limit:
+def judge(state: State, event: Command, ask: Ask[ActiveMotion]) -> Reason | Limit:
     """Return the reason of a refusal, or else the rules' limit at full speed.
 
-    A renewal passes fewer checks. `checked` false leaves out the user's own checks.
+    A renewal passes fewer checks.
     """
     command, moves, renewed, now = event.command, ask.request.moves, ask.wants == "renewal", ask.now
     why = _form(state, command) or rules.refusal(ask, motors_trouble(state, now))
@@ -27,12 +27,12 @@ def judge(state: State, event: Command, ask: Ask[ActiveMotion], *, checked: bool
         why = _limits(state, command, now)
     if why is not None:
         return why
-    limited = limit(state, sides_of(command, state.settings, state.base), now) if moves else FREE
+    limited = limit(state, sides_of(command, state.settings, state.base), now)
     if renewed:
         return limited
     if not limited.scale > 0.0:  # no new motion starts towards an obstacle
         return Reason(limited.code, limited.detail)
-    return (_checks(event) if checked else None) or limited
+    return _checks(event) or limited
 
 
 def _form(state: State, command: Motion) -> Reason | None:

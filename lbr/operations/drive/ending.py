@@ -34,10 +34,7 @@ def end_what_is_over(state: State, now: float) -> Decision:
 
 def halt(state: State, decided: ending.Decision[ActiveMotion], now: float) -> Decision:
     """Apply the decision on the holder of the base, and stop, whether it was held or not."""
-    held, said = decided
-    if state.lease is not None:
-        return apply(state, held, said, now)
-    state, outputs = apply(state, held, said, now)
+    state, outputs = apply(state, *decided, now)
     return next_wheels(state, now), (ZERO, *outputs)
 
 

@@ -28,7 +28,7 @@ def command(state: State, event: Command, now: float) -> Decision:
     if isinstance(limit, Reason):
         leases, refused = decide.refuse(ask, limit)
         return replace(before, leases=leases), (refused,)
-    note = _note(state, event.command, limit) if ask.request.moves else None
+    note = _note(state, event.command, limit)
     if ask.wants == "renewal":
         state = replace(state, leases=decide.renew(ask))
         return state, (_accepted(state.leases, ask, note),)
@@ -43,7 +43,7 @@ def to_be_checked(state: State, event: Command, now: float) -> bool:
     ask = _asked(state, event, now)
     if not ask.request.moves or ask.wants == "renewal" or ask.confirms is not None:
         return False
-    return not isinstance(judge(replace(state, views=state.seen(now)), event, ask, checked=False), Reason)
+    return not isinstance(judge(replace(state, views=state.seen(now)), event, ask), Reason)
 
 
 def stop(state: State, event: Stop, now: float) -> Decision:

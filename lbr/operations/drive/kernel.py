@@ -1,7 +1,7 @@
 """The decisions of drive operations, as a pure function of state, event and time."""
 
 from collections.abc import Iterable
-from math import inf, isfinite, isnan, nan
+from math import inf, isfinite, isnan
 
 from msgspec.structs import replace
 
@@ -207,8 +207,7 @@ def _goal(state: State) -> Goal | None:
 
 
 def _with_goal(state: State, goal: Goal) -> State:
-    if state.lease is None:
-        return state
+    assert state.lease is not None, "a goal is that of a lease"
     return replace(state, leases=leasing.with_motion(state.leases, replace(state.lease.motion, goal=goal)))
 
 
@@ -224,12 +223,9 @@ def _lose_time(state: State, now: float) -> Decision:
         motors_gone=f"{ending.BACK}; the motor driver has not reported since",
         motors_lost=now,
         views={},
-        scans={},
         memory=obstacle_memory.redated(state.memory, now),
         heading=heading_view.UNKNOWN,
         odometry=odometry_view.UNKNOWN,
-        reported_at=nan,
-        ticked=nan,
     )
     return halt(forgotten, ending.lose_time(state.leases, state.clock, now), now)
 

@@ -17,7 +17,7 @@ def mix(power: float, angle_deg: float, settings: DriveSettings) -> tuple[float,
     ):  # the cosine of 90 degrees is not quite 0
         steering = -steering
     combine = _clamped if settings.mixing == "clamped" else _normalised
-    return combine(min(power, 1.0), throttle, steering)
+    return combine(power, throttle, steering)
 
 
 def _normalised(power: float, throttle: float, steering: float) -> tuple[float, float]:

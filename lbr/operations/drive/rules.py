@@ -151,7 +151,7 @@ def limit(
     ]
     strictest = min(limits, key=lambda each: each.scale, default=FREE)
     stopped = tuple(each.direction for each in limits if each.direction is not None and not each.scale > 0.0)
-    return replace(strictest, blocked=stopped) if strictest.scale < 1.0 else FREE
+    return replace(strictest, blocked=stopped)
 
 
 def towards(left: float, right: float, aside: float = 0.0) -> dict[Direction, float]:
@@ -196,7 +196,7 @@ def _apply(
     distance_m, trouble = believed(views.get(rule.sensor), rule, now)
     keep_m = rule.stop_m + (rule.margin_m if rule.direction in held else 0.0)
     share = allowed_mps(distance_m - keep_m, settings) / settings.max_speed_mps
-    scale = min(share / part, 1.0)
+    scale = share / part
     if scale >= 1.0:
         return FREE
     text = f"{rule.sensor} {trouble}" if trouble else f"{rule.sensor} {distance_m:.2f} m"

@@ -3,6 +3,9 @@
 import pytest
 from msgspec.structs import replace
 
+from lbr.messages.drive import DriveCommand
+from lbr.operations.drive.granting import to_be_checked
+from lbr.operations.drive.state import Command
 from tests.operations.drive.drive_bench import Bench, motors, ranges
 from tests.operations.drive.drive_body import Body
 
@@ -205,11 +208,19 @@ def test_an_obstacle_of_old_still_refuses_a_motion_and_a_new_one_does_at_once(ri
 
 def test_an_offer_before_resting_ranges_is_confirmed_and_moves(ringed):
     rest(ringed, 0.4)
-    offer = ringed.drive_from_afar(0.5)
-    rest(ringed, 0.2)
+    offer = ringed.drive_from_afar(0.5, ttl_s=0.9)
+    for _ in range(2):
+        rest(ringed, 0.25)
     assert ringed.drive_from_afar(0.5, lease=offer.lease).accepted
     rest(ringed, 0.02)
     assert ringed.wheels != STILL
+
+
+def test_users_checks_are_asked_before_a_motion_that_resting_ranges_allow(ringed):
+    rest(ringed, 0.9)
+    names = {"source": "console", "new_lease": "x", "new_goal": "y"}
+    asked = Command(command=DriveCommand(power=0.5), received=ringed.now, **names)
+    assert to_be_checked(ringed.state, asked, ringed.now)
 
 
 def test_a_move_to_a_range_begins_by_a_reading_at_rest(ringed):

@@ -5,8 +5,10 @@ from math import inf, nan
 import pytest
 
 from lbr.leases.lease import Stop
+from lbr.messages.drive import CheckVerdict, DriveCommand
+from lbr.operations.drive.granting import to_be_checked
 from lbr.operations.drive.kernel import drive_state
-from lbr.operations.drive.state import MotorsSeen, RangesSeen
+from lbr.operations.drive.state import Command, MotorsSeen, RangesSeen
 from tests.operations.drive.drive_bench import Bench, motors
 
 STILL = (0.0, 0.0)
@@ -87,6 +89,14 @@ def test_a_motion_that_a_renewal_has_overtaken_does_not_come_back(bench, newest)
     overtaken = bench.drive(0.8, lease=reply.lease, sent=sent)
     assert overtaken.code == "repeated"
     assert bench.state.lease.motion.command.power == newest
+
+
+@pytest.mark.parametrize(
+    ("age_s", "checked", "accepted"), [(0.31, False, False), (0.49, True, True), (0.51, True, False)]
+)
+def test_a_command_may_be_older_by_twice_the_time_that_the_users_checks_took(bench, age_s, checked, accepted):
+    checks = {"cliff": CheckVerdict(accepted=True)} if checked else {}
+    assert bench.drive(0.5, sent=bench.now - age_s, checks=checks).accepted is accepted
 
 
 def test_standing_still_is_never_too_late(bench):
@@ -238,10 +248,6 @@ def test_offers_are_few(bench):
 
 
 def test_a_confirmation_is_checked_only_if_it_asks_for_something_else(bench):
-    from lbr.messages.drive import DriveCommand
-    from lbr.operations.drive.granting import to_be_checked
-    from lbr.operations.drive.state import Command
-
     offer = bench.drive_from_afar(0.5)
 
     def asks(power):

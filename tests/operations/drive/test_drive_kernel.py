@@ -108,7 +108,11 @@ def test_a_motion_that_ends_for_want_of_setpoints_has_their_code(bench):
 
 def test_more_than_the_highest_power_is_limited_and_said():
     bench = Bench(max_power=0.8)
-    assert bench.drive(1.0).reason == "limited to 0.8"
+    assert bench.drive(0.8).reason == ""
+    bench.stop()
+    bench.now += 0.01
+    reply = bench.drive(1.0)
+    assert (reply.code, reply.reason) == ("limit", "limited to 0.8")
     bench.run(0.8, renewing(bench, bench.replies[-1], 1.0))
     assert bench.wheels == pytest.approx((0.8, 0.8))
 
@@ -121,7 +125,8 @@ def test_motion_towards_an_obstacle_does_not_start(bench):
 
 def test_the_asker_is_told_how_far_a_rule_slows_it(bench):
     bench.see(forward=0.42)
-    assert bench.drive(0.5).reason == "slowed to 0.39 by forward 0.42 m"
+    reply = bench.drive(0.5)
+    assert (reply.code, reply.reason) == ("obstacle", "slowed to 0.39 by forward 0.42 m")
 
 
 @pytest.mark.parametrize(
@@ -266,6 +271,10 @@ def test_bounds_that_make_no_sense_are_refused_with_the_present_value(bench, aro
     reply = bench.drive(**{"power": 0.2, **command})
     assert not reply.accepted
     assert reason in reply.reason
+
+
+def test_a_time_may_be_as_long_as_the_longest_run(bench):
+    assert bench.drive(0.2, interval_s=30.0).accepted
 
 
 def test_a_move_ends_after_its_interval_and_renewals_do_not_prolong_it(bench):
@@ -427,10 +436,16 @@ def test_an_end_that_nobody_wanted_is_told_as_a_warning(bench, how, level):
 
 
 def test_why_it_stands_is_in_its_state_and_while_it_drives_there_is_nothing_to_say(bench):
+    state = drive_state(bench.state, bench.now)
+    assert (state.power, state.angle_deg, state.stopped_s, state.halted_s) == (0.0, 0.0, None, None)
     bench.estop(engaged=True)
+    bench.stop()
+    bench.lose_motors()
     state = drive_state(bench.state, bench.now)
     assert (state.reason, state.code, state.estop) == ("emergency stop: button", "estop", True)
+    assert (state.stopped_s, state.halted_s, state.halted_by) == (bench.now, bench.now, "phone")
     bench.estop(engaged=False)
+    assert drive_state(bench.state, bench.now).code == "unreachable"
     bench.run(0.1)
     assert bench.drive(0.3).accepted
     state = drive_state(bench.state, bench.now)
@@ -450,7 +465,9 @@ def test_a_motion_that_a_rule_holds_still_for_a_second_is_over_and_does_not_resu
     bench.see(forward=0.2)
     bench.run(0.9, renewing(bench, reply), sense_each=2)
     bench.now += 0.01
-    assert bench.drive(0.5, lease=reply.lease).accepted, "it may go on until the second is over"
+    renewed = bench.drive(0.5, lease=reply.lease)
+    assert (renewed.accepted, renewed.code) == (True, "obstacle"), "it may go on until the second is over"
+    assert renewed.reason == "stopped by forward 0.20 m is inside 0.25 m"
     bench.run(0.3, renewing(bench, reply), sense_each=2)
     bench.see(forward=3.0)
     bench.run(0.5, renewing(bench, reply), sense_each=2)

@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from lbr.messages.sensing import RING as SENSORS
 from lbr.messages.sensing import Ranges
-from lbr.operations.drive import obstacle_memory, rules
+from lbr.operations.drive import limits, obstacle_memory, rules
 from lbr.operations.drive.footprint import Footprint
 from lbr.operations.drive.heading_view import HeadingView
 from lbr.operations.drive.kernel import drive_state
@@ -249,9 +249,32 @@ def test_what_is_far_away_is_not_remembered(watcher):
 def test_a_clock_that_went_back_frees_nothing():
     bench = Bench()
     bench.see(left=0.3)
+    bench.around = ranges(left="missing")
     bench.now = 3.0
     bench.sense()
     assert {spot.seen for spot in bench.state.memory.spots} == {3.0}
+    bench.now += SETTINGS.memory_s
+    bench.sense()
+    assert bench.state.memory.spots == ()
+
+
+def test_what_is_remembered_goes_by_as_attitude_and_odometry_tell():
+    bench = Bench()
+    bench.look()
+    bench.count()
+    bench.see(forward=1.0)
+    bench.now += 0.1
+    bench.count(distance_m=0.2)
+    bench.look(turned_deg=18.0)
+    turned = [(hypot(spot.x_m, spot.y_m), atan2(spot.y_m, spot.x_m)) for spot in around(bench.state.memory)]
+    assert min(turned) == pytest.approx((AHEAD_M + 0.8, pi / 10))
+
+
+def test_what_is_seen_and_what_is_remembered_hold_a_stop_both():
+    bench = Bench()
+    bench.see(forward=0.2)
+    state = replace(bench.state, memory=obstacle_memory.redated(at(AHEAD_M + 0.05, -0.05), bench.now))
+    assert limits.limit(state, (*RIGHT_ARC, 0.0), bench.now).blocked == ("forward", MEMORY)
 
 
 # who is told

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from lbr.messages.sensing import RING as SENSORS
 from lbr.messages.sensing import Ranges
-from lbr.operations.drive.rules import Odometer, View, allowed_mps, limit, measured_m, see, towards
+from lbr.operations.drive.rules import FREE, Odometer, View, allowed_mps, believed, limit, measured_m, see, towards
 from lbr.operations.drive.settings import DriveSettings, Rule
 
 SETTINGS = DriveSettings()
@@ -47,6 +47,11 @@ def test_speed_ahead_follows_the_room_there_is(forward_m, scale):
     assert limit(SETTINGS, views(forward=forward_m), AHEAD, 10.0).scale == pytest.approx(scale, abs=2e-3)
 
 
+def test_at_the_very_speed_that_it_allows_a_rule_says_nothing():
+    settings = DriveSettings(reaction_s=1.0, brake_mps2=2.0)
+    assert limit(settings, views(forward=1.5), AHEAD, 10.0) == FREE
+
+
 @pytest.mark.parametrize("status", ["invalid", "missing"])
 def test_an_invalid_or_missing_reading_is_an_obstacle(status):
     found = limit(SETTINGS, views(forward=status), AHEAD, 10.0)
@@ -81,6 +86,15 @@ def test_a_reading_older_than_its_age_limit_is_an_obstacle(now, scale):
     assert limit(SETTINGS, views(forward=3.0), AHEAD, now).scale == scale
 
 
+@pytest.mark.parametrize(
+    ("age_s", "idle_m", "known"), [(0.25, 0.125, True), (0.251, 0.125, False), (0.25, 0.126, False)]
+)
+def test_a_reading_counts_to_the_very_end_of_its_age_and_of_the_way_that_it_may_stay_the_same(age_s, idle_m, known):
+    view = View(distance_m=2.0, trouble="", seen=10.0, raw_m=2.0, idle_m=idle_m, repeats=2)
+    rule = Rule(direction="forward", sensor="forward", max_age_s=0.25, frozen_after_m=0.125)
+    assert isfinite(believed(view, rule, 10.0 + age_s)[0]) is known
+
+
 def repeated(value, odometers, sensor="forward"):
     seen = {}
     for count, odometer in enumerate(odometers):
@@ -99,6 +113,13 @@ def test_a_frozen_reading_is_trusted_again_once_it_changes():
     assert limit(SETTINGS, seen, AHEAD, now + 0.1).scale == 1.0
 
 
+def test_a_reading_that_comes_twice_is_not_frozen_yet_however_far_the_base_came():
+    seen = {}
+    for count, value in enumerate((2.0, 2.01, 2.01)):
+        seen = views(now=10.0 + 0.1 * count, odometer=Odometer(along_m=0.2 * count), before=seen, forward=value)
+    assert limit(SETTINGS, seen, AHEAD, 10.2).scale == 1.0
+
+
 def test_a_reading_may_stay_the_same_while_the_base_stands():
     seen, now = repeated(2.0, [NO_MOTION] * 50)
     assert limit(SETTINGS, seen, AHEAD, now).scale == 1.0
@@ -109,6 +130,12 @@ def test_a_side_reading_may_stay_the_same_along_a_wall_but_not_in_a_long_turn():
     assert limit(SETTINGS, along, SPIN, now).scale == 1.0
     turned, now = repeated(1.0, [Odometer(turned_m=0.1 * n) for n in range(10)], "right")
     assert limit(SETTINGS, turned, SPIN, now).scale == 0.0
+
+
+@pytest.mark.parametrize(("value", "counts"), [(0.83, True), (0.85, False)])
+def test_a_reading_that_is_farther_than_a_base_can_have_come_does_not_count_at_once(value, counts):
+    once = views(now=10.1, before=views(forward=0.24), forward=value)
+    assert once["forward"].distance_m == (value if counts else 0.24)
 
 
 def test_a_jump_to_far_away_counts_only_when_confirmed():

@@ -306,19 +306,24 @@ def test_a_lidar_that_falls_silent_stops_the_base_as_an_old_sensor_does():
     assert drive_state(base.state, base.now).limited_by.startswith("lidar forward reading is older than 0.3 s")
 
 
-def test_a_lidar_that_tells_the_same_for_ever_stops_the_base():
+@pytest.mark.parametrize(("metres", "changes"), [(2.0, False), (inf, False), (2.0, True)])
+def test_a_lidar_that_tells_the_same_for_ever_stops_the_base_unless_anything_changes(metres, changes):
     base = Base(*RING, LIDAR)
-    same = scan()
-    base.see(same)
-    lease = base.drive(0.3).lease
-    for _ in range(40):
+    same = scan(metres=lambda angle: metres)
+    for count in range(40):
         base.now += 0.02
         base.sense()
-        base.see(same)
-        base.drive(0.3, lease=lease)
+        behind_m = 3.0 + 0.01 * (count % 2) * changes
+        base.see(msgspec.structs.replace(same, ranges_m=(behind_m, *same.ranges_m[1:])))
+        base.drive(0.3, lease=base.replies[0].lease if count else "")
         base.event_tick()
-    assert base.setpoints[-1].left == 0.0
-    assert "frozen" in drive_state(base.state, base.now).reason
+    reason = drive_state(base.state, base.now).reason
+    assert ("frozen" in reason, "inf" in reason, base.setpoints[-1].left == 0.0) == (not changes, False, not changes)
+    base.stop()
+    base.now += 0.02
+    base.sense()
+    base.see(same)
+    assert base.drive(0.3, 90.0).accepted, "a way straight ahead changes nothing beside it"
 
 
 def test_a_rule_of_the_drive_may_name_the_lidar_and_take_the_place_of_the_rows_own():
@@ -339,7 +344,15 @@ def test_one_more_distance_counts_by_its_row():
     assert base.drive(0.3).reason == "bow forward reading is implausible (5.0 m)"
     base.event(_told(base, bow=3.0))
     assert base.drive(0.3).accepted
-    assert drive_state(base.state, base.now).sees == {"bow forward": pytest.approx(3.0, abs=0.01)}
+    base.stop()
+    for bow_m, sees in ((3.0, 2.996), (5.0, None)):
+        base.now += 0.1
+        base.event(_told(base, bow=bow_m))
+        assert drive_state(base.state, base.now).sees == {"bow forward": sees}
+    base.event(RangesSeen(ranges=ranges({"bow": None}, {"bow": "over_range"}), arrived=base.now))
+    assert drive_state(base.state, base.now).sees == {}
+    base.see(scan(bow, ranges_m=(0.1,)))
+    assert base.state.memory.spots == (), "of one distance a scan says nothing"
 
 
 def test_a_move_may_be_bound_to_any_single_distance_and_to_no_scan():
@@ -358,7 +371,7 @@ def test_a_move_may_be_bound_to_any_single_distance_and_to_no_scan():
 def test_a_base_without_a_sensor_called_forward_drives_all_the_same():
     base = Base(LIDAR, scan=scan(), rules=())
     assert base.drive(0.3).accepted
-    assert base.drive(0.3, range_cm=50, take_over=True).code == "unknown_name"
+    assert base.drive(0.3, range_cm=0.5, take_over=True).code == "unknown_name"
 
 
 def _told(base, **metres):

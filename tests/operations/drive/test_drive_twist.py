@@ -5,8 +5,9 @@ from math import inf, isclose, nan, pi
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
-from lbr.messages.drive import DriveCommand, TwistCommand
+from lbr.messages.drive import DriveCommand, HeadingCommand, TurnCommand, TwistCommand
 from lbr.messages.kinematics import Kinematics, Wheel, base_of
 from lbr.operations.drive import command, obstacle_memory
 from lbr.operations.drive.kernel import drive_state, first_state
@@ -55,11 +56,11 @@ def motors(bench):
 
 
 def test_a_twist_drives_the_two_wheels_along_its_arc():
-    base = bench()
+    base = bench(max_speed_mps=2.0)
     reply = move(base, vx=0.4, wz=1.0)
-    assert reply.accepted
+    assert (reply.accepted, reply.reason) == (True, "")
     keep(base, reply, 1.0, vx=0.4, wz=1.0)
-    assert base.wheels == pytest.approx((0.4 - 0.135, 0.4 + 0.135))
+    assert base.wheels == pytest.approx((0.2 - 0.0675, 0.2 + 0.0675))
     assert base.setpoints[-1].motors == {}
     assert base.setpoints[-1].lease == reply.lease
 
@@ -72,13 +73,13 @@ def test_a_base_that_cannot_move_sideways_says_so():
 
 
 def test_mecanum_wheels_take_the_base_sideways():
-    base = bench("mecanum")
-    reply = move(base, vy=0.5)
+    base = bench("mecanum", max_speed_mps=0.5)
+    reply = move(base, vy=0.2)
     assert reply.accepted, reply
-    keep(base, reply, 1.0, vy=0.5)
-    assert motors(base) == pytest.approx({"front_left": -0.5, "front_right": 0.5, "rear_left": 0.5, "rear_right": -0.5})
+    keep(base, reply, 1.0, vy=0.2)
+    assert motors(base) == pytest.approx({"front_left": -0.4, "front_right": 0.4, "rear_left": 0.4, "rear_right": -0.4})
     told = drive_state(base.state, base.now)
-    assert (told.moving, told.aside, told.angle_deg) == (True, 0.5, -90.0)
+    assert (told.moving, told.power, told.aside, told.angle_deg) == (True, 0.4, 0.4, -90.0)
 
 
 def test_power_and_angle_reach_every_motor_of_a_side():
@@ -180,6 +181,25 @@ def test_a_twist_that_is_no_number_is_refused(bad):
         assert base.state.sides == (0.0, 0.0, 0.0)
 
 
+def test_another_twist_or_heading_under_a_lease_takes_the_place_of_the_first():
+    base = bench()
+    base.look(heading_deg=0.0)
+    for one, other in (
+        (TwistCommand(vx_mps=0.2), TwistCommand(vx_mps=0.4)),
+        (HeadingCommand(heading_deg=90.0), HeadingCommand(heading_deg=120.0)),
+    ):
+        base.now += 0.01
+        reply = base.send(one)
+        base.now += 0.01
+        assert base.send(replace(other, lease=reply.lease)).accepted
+        assert base.state.lease.motion.command == replace(other, lease=reply.lease)
+        base.stop()
+
+
+def test_nothing_of_a_motion_is_left_by_a_factor_of_zero_or_of_no_number():
+    assert command.times((inf, -1.0, nan), 0.0) == command.times((1.0, 1.0, 1.0), nan) == (0.0, 0.0, 0.0)
+
+
 def test_a_twist_of_zero_stops():
     base = bench()
     reply = move(base, vx=0.5)
@@ -194,6 +214,24 @@ def test_users_checks_see_a_twist():
     told = command.check_request("page", twist, settings)
     assert told.twist is twist
     assert told.command == DriveCommand(power=told.command.power, angle_deg=0.0)
+
+
+@pytest.mark.parametrize(
+    ("asked", "angle_deg"),
+    [
+        (TurnCommand(angle_deg=-45.0), -90.0),
+        (TurnCommand(angle_deg=0.0), 90.0),
+        (TurnCommand(angle_deg=0.5), 90.0),
+        (HeadingCommand(heading_deg=270.0), 90.0),
+        (TwistCommand(wz_rps=0.5), -90.0),
+        (TwistCommand(wz_rps=-0.5), 90.0),
+        (TwistCommand(), 90.0),
+    ],
+)
+def test_users_checks_see_a_turn_as_a_spin_to_its_side_and_as_it_was_asked(asked, angle_deg):
+    told = command.check_request("page", asked, DriveSettings())
+    assert told.command.angle_deg == angle_deg
+    assert (told.turn or told.heading or told.twist) is asked
 
 
 speeds = st.floats(-10.0, 10.0)
