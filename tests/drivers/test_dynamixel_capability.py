@@ -130,6 +130,9 @@ def rig(start):
 
 def test_starting_moves_nothing_and_tells_every_servo(rig, chain):
     rig.until(rig.seen)
+    rig.ctx.now += 6.0
+    rig.until(rig.seen)
+    assert "babble" not in rig.ctx.kinds()
     state = rig.ctx.state
     assert (state.phase, state.halt) == ("released", 0)
     assert state.armed
@@ -245,6 +248,14 @@ def test_a_servo_that_does_not_answer_keeps_the_stop_unacknowledged(rig, chain):
     rig.ctx.estop.engaged = True
     rig.until(lambda: "joint_2 (servo 2)" in rig.ctx.estop.acknowledged[-1][1])
     assert rig.ctx.estop.acknowledged[-1][0] is False
+
+
+def test_a_stop_is_not_acknowledged_while_servos_are_still_looked_for(chain, start):
+    chain.dead.add(2)
+    rig = start()
+    rig.ctx.estop.engaged = True
+    rig.step()
+    assert rig.ctx.estop.acknowledged == [(False, "the servos are still being looked for")]
 
 
 def test_an_overload_is_latched_until_it_is_recovered_and_recovering_moves_nothing(rig, chain):
@@ -434,6 +445,7 @@ def test_an_emergency_stop_while_the_line_is_away_is_not_called_done(chain):
     driver.degraded("unplugged")
     assert ctx.estop.acknowledged == [(False, "unplugged")]
     assert (ctx.state.reason, ctx.state.armed, ctx.state.estop) == ("unplugged", False, True)
+    assert (ctx.state.sweep, ctx.state.servos) == (0, ())
 
 
 def test_an_empty_bus_is_degraded_and_says_what_to_look_at(chain, start):

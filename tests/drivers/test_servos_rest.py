@@ -104,6 +104,15 @@ def test_noise_within_the_bands_does_not(robot):
     assert robot.woken == []
 
 
+def test_a_steady_load_is_rest_too():
+    time = SimpleNamespace(now=0.0)
+    rest = Rest(lambda: time.now, BAND_RAD, BAND_LOAD)
+    for step in range(100):
+        time.now += 0.01
+        rest.look(1, 0.5, -0.3 + 0.01 * (step % 2))
+    assert rest.lasts
+
+
 def test_a_way_in_small_steps_is_a_motion(robot):
     for _ in range(8):
         robot.move(3, 0.006)

@@ -4,13 +4,13 @@ from pathlib import Path
 
 import pytest
 
-from lbr.drivers.servos.bus_thread import STOP
+from lbr.drivers.servos.bus_thread import STOP, WRITE, BusThread
 from lbr.drivers.servos.line import LONGEST_DELAY_S, SERVO_S
 from lbr.drivers.servos.registers import RegisterServos
 from lbr.errors import DeviceError
 from tests.drivers.servo_peers import MemoryLine
 from tests.drivers.test_dynamixel_capability import SETTINGS, START, Rig
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 
 class Guard:
@@ -99,7 +99,7 @@ def test_a_guard_that_does_not_start_or_is_gone_ends_the_session_and_one_that_wa
     rig = start()
     with monkeypatch.context() as patch:
         patch.setattr(RegisterServos, "guard", lambda *_: Path("/nonexistent").read_bytes())
-        with pytest.raises(DeviceError, match="its guard process does not start"):
+        with pytest.raises(DeviceError, match="does not start"):
             rig.until(rig.seen)
     rig.until(rig.seen)
     guard.frozen = True
@@ -107,7 +107,7 @@ def test_a_guard_that_does_not_start_or_is_gone_ends_the_session_and_one_that_wa
     rig.step()
     assert rig.ctx.kinds().count("guard") == 1
     guard.standing = False
-    with pytest.raises(DeviceError, match="its guard process died or hangs"):
+    with pytest.raises(DeviceError, match="died or hangs"):
         rig.step()
 
 
@@ -119,6 +119,18 @@ def test_a_bus_that_was_held_up_is_no_silence_of_its_servos(start, guard, chain)
     rig.ctx.now += 2.0
     rig.driver.step()
     assert rig.driver.answers()
+
+
+def test_a_stop_that_waits_and_an_end_are_urgent_and_nothing_else():
+    thread = BusThread(None)
+    assert not thread.urgent()
+    thread.submit(lambda _bus: None, WRITE)
+    assert not thread.urgent()
+    thread.submit(lambda _bus: None, STOP)
+    assert thread.urgent()
+    thread.start()
+    assert thread.join(HANG_S)
+    assert thread.urgent()
 
 
 def test_a_transaction_takes_as_long_as_its_bytes_both_ways_and_each_servo(chain):

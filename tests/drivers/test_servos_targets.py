@@ -9,10 +9,12 @@ from types import SimpleNamespace
 import pytest
 
 from lbr.drivers.dynamixel.bus import Bus
-from lbr.drivers.servos.contract import Seen, SlowState, Snapshot
+from lbr.drivers.servos.contract import SETTING_UP, Seen, SlowState, Snapshot
 from lbr.drivers.servos.gate import first, receive, tick
 from lbr.drivers.servos.poller import SINGLY_FIRST_S, SYNC_READ_FAILURES, Poller
+from lbr.drivers.servos.rest import Rest
 from lbr.drivers.servos.targets import FADE_STEP, REPEAT_S, ServoTargets
+from lbr.drivers.servos.torque import RELEASED, Target, Torque
 from lbr.messages.servos import ServoGoal, ServoSetpoint
 
 VALID_S = 0.1
@@ -64,7 +66,7 @@ class Servo:
 MODEL = SimpleNamespace(
     full_torque=1000,
     latched=lambda _servo, _seen: (),
-    speed_raw=lambda _speed: 100,
+    speed_raw=lambda speed_rps: 100 if speed_rps is None else round(100 * speed_rps),
     torque_raw=lambda share: round(share * 1000),
     most_torque=lambda _servo: 1000,
     position_raw=lambda angle_rad: 512 + round(100 * angle_rad),
@@ -75,10 +77,10 @@ MODEL = SimpleNamespace(
 class Bench:
     def __init__(self):
         self.now, self.sweep, self.told = 0.0, 0, []
-        self.age_s, self.slow_age_s = 0.0, 0.0
-        self.line, self.bus = Line(), Servo()
+        self.age_s, self.slow_age_s, self.goal = 0.0, 0.0, 512
+        self.line, self.bus, self.rest = Line(), Servo(), Rest(lambda: self.now)
         self.targets = ServoTargets(
-            [1], self.line, lambda: self.now, MODEL, lambda kind, text, level: self.told.append(kind)
+            [1], self.line, lambda: self.now, MODEL, lambda kind, text, level: self.told.append(kind), self.rest
         )
         self.gate = first(0.0)
 
@@ -93,7 +95,7 @@ class Bench:
             self.hear(ServoGoal(id=1, position_rad=0.0))
         self.gate = tick(self.gate, self.now, VALID_S)
         motion = SimpleNamespace(**PLACE)
-        slow = SlowState(self.now - self.slow_age_s, self.bus.torque, 512, 100, 1000, 12.0, 30.0)
+        slow = SlowState(self.now - self.slow_age_s, self.bus.torque, self.goal, 100, 1000, 12.0, 30.0)
         snapshot = Snapshot(self.sweep, self.now, {1: Seen(motion, self.now - self.age_s, slow)})
         self.targets.apply(self.gate, strength, snapshot)
         if works:
@@ -178,12 +180,49 @@ def test_a_servo_that_gets_no_torque_is_asked_again_five_times_a_second():
     assert len(asked) == 5
 
 
-def test_a_goal_that_asks_for_less_torque_gets_it_at_once():
+@pytest.mark.parametrize(("torque", "limit"), [(0.3, 300), (0.0001, 1)])
+def test_a_goal_that_asks_for_less_torque_gets_it_at_once(torque, limit):
     bench = Bench()
     bench.on()
-    bench.hear(ServoGoal(id=1, position_rad=0.0, torque=0.3), after_s=0.01)
+    bench.hear(ServoGoal(id=1, position_rad=0.0, torque=torque), after_s=0.01)
     bench.step(follows=False)
-    assert bench.bus.limits == [300]
+    assert bench.bus.limits == [limit]
+
+
+def test_a_servo_gets_torque_with_the_speed_and_the_limit_of_its_goal():
+    bench, asked = Bench(), []
+    bench.bus.torque_on = lambda *given: asked.append(given) or 512
+    for _ in range(2):
+        bench.hear(ServoGoal(id=1, position_rad=0.0, speed_rps=2.5, torque=0.3), after_s=0.01)
+        bench.step(follows=False)
+    assert asked == [(1, 250, 300)]
+
+
+def test_lost_torque_is_told_however_often_new_goals_are_sent():
+    bench = Bench()
+    bench.on()
+    bench.bus.torque, bench.slow_age_s = False, 0.011
+    for angle_rad in (0.1, 0.2, 0.3):
+        bench.hear(ServoGoal(id=1, position_rad=angle_rad), after_s=0.01)
+        bench.step(follows=False)
+    assert bench.told == ["torque_lost"]
+
+
+def test_a_hold_that_a_servo_does_not_confirm_is_told_again_until_it_does():
+    bench = Bench()
+    bench.on()
+    for _ in range(15):
+        bench.step(follows=False)
+    bench.bus.placed.clear()
+    bench.goal = 600
+    for _ in range(3):
+        bench.step(follows=False)
+    assert bench.bus.placed == [512] * 3
+    bench.goal = 512
+    bench.step(follows=False)
+    bench.bus.placed.clear()
+    bench.step(follows=False)
+    assert bench.bus.placed == []
 
 
 def test_a_goal_that_changes_is_sent_at_once_and_one_that_does_not_ten_times_a_second_or_twice_at_rest():
@@ -201,6 +240,10 @@ def test_a_goal_that_changes_is_sent_at_once_and_one_that_does_not_ten_times_a_s
         for _ in range(45 if times == 4 else 200):
             bench.step()
         assert bench.bus.goals == [(512, 100)] * times
+    assert bench.rest.lasts
+    bench.hear(ServoGoal(id=1, position_rad=0.1), after_s=0.01)
+    bench.step(follows=False)
+    assert not bench.rest.lasts
 
 
 def test_why_a_servo_gets_no_torque_is_told_once_for_each_reason():
@@ -311,6 +354,60 @@ def test_a_servo_that_is_just_getting_torque_gets_none_after_a_release():
     assert not bench.targets.turning
 
 
+def test_a_servo_that_did_not_hear_of_its_release_is_told_again():
+    bench = Bench()
+    bench.on()
+    bench.targets.release("over")
+    bench.line.work(bench.bus)
+    bench.bus.torque = True
+    bench.step(follows=False)
+    assert not bench.bus.torque
+
+
+def test_a_servo_that_gets_torque_where_it_is_need_not_be_held_there():
+    bench = Bench()
+    for _ in range(5):
+        bench.hear(ServoGoal(id=1), after_s=0.01)
+        bench.step(follows=False)
+    assert bench.bus.torque
+    assert bench.bus.placed == []
+
+
+def test_a_servo_that_is_to_stay_where_it_is_is_held_there_once():
+    bench = Bench()
+    bench.on()
+    bench.bus.placed.clear()
+    for _ in range(5):
+        bench.hear(ServoGoal(id=1), after_s=0.01)
+        bench.step(follows=False)
+    assert bench.bus.placed == [512]
+
+
+class Released(Torque):
+    """Servos without registers to read back."""
+
+    def __init__(self):
+        super().__init__([1, 2], lambda servo: Target(servo, known=True, on=True, blocked="was released"), lambda: 9.0)
+        self.told = []
+
+    def release(self, why):
+        self.off(list(self.servos.values()), why)
+
+    def off(self, targets, why):
+        self.told.append(([target.id for target in targets], why))
+
+
+def test_a_servo_that_a_setpoint_leaves_out_is_released_and_may_have_torque_again_later():
+    servos = Released()
+    gate = receive(first(9.0), ServoSetpoint(goals=(ServoGoal(id=1),), lease="a"), 9.01, 9.01, VALID_S)
+    assert servos.turning
+    assert servos.advance(gate, 1.0), "a lease begins with a stop"
+    assert servos.told == [([2], "")]
+    assert [target.blocked for target in servos.servos.values()] == ["was released", ""]
+    assert not servos.advance(gate, 0.0)
+    assert servos.told[1:] == [([1, 2], RELEASED)]
+
+
 def test_a_servo_that_was_never_read_is_released_too_as_it_may_have_torque():
     bench = Bench()
     bench.bus.torque = True
@@ -396,7 +493,8 @@ class Polled:
         for _ in range(times):
             swept = self.snapshot.sweep
             while self.snapshot.sweep == swept:
-                self.poller.turn(self.bus)
+                wait_s = self.poller.turn(self.bus)
+                self.now += wait_s
             self.now += each_s
 
 
@@ -501,6 +599,7 @@ def test_a_servo_that_falls_silent_and_comes_back_is_told_once_each_and_is_looke
     silent.add(2)
     polled.sweep(2000)
     assert told == ["servo_silent"]
+    assert {round(at, 2) for servo, at in asked if servo == 2 and 1.0 <= at < 1.12} == {1.0, 1.01, 1.02, 1.03}
     assert polled.snapshot.servos[2].reason == "does not answer"
     times = [at for servo, at in asked if servo == 2 and at > 1.1]
     gaps = [after - before for before, after in pairwise(times)]
@@ -534,7 +633,59 @@ def test_before_the_first_round_nothing_was_read_at_any_rate():
     assert (snapshot.sweep, snapshot.sweeps_hz, snapshot.states_hz, snapshot.sweep_s) == (0, 0.0, 0.0, 0.0)
 
 
-def test_what_never_answers_is_asked_less_and_less():
-    polled = Polled(bus := Deaf())
-    polled.sweep(1200, each_s=0.05)
+@pytest.mark.parametrize(("wrong", "least_s"), [(SETTING_UP, 0.0), ("is of another kind", 0.09)])
+def test_servos_that_are_being_set_up_are_swept_as_fast_as_ever(wrong, least_s):
+    prepare = lambda _bus, servo: wrong if servo == 2 else ""  # noqa: E731
+    polled, waits_s = Polled(bus := Deaf(busy=False), (1, 2), 0.01, prepare, rest_period_s=0.1), []
+    while polled.now < 2.0:
+        waits_s.append(polled.poller.turn(bus))
+        polled.now += waits_s[-1]
+    assert least_s <= max(waits_s) <= least_s + 0.02
+
+
+@pytest.mark.parametrize("together", [False, True])
+def test_an_answer_that_was_not_waited_for_because_of_a_stop_is_not_missed(together):
+    polled, told = Polled(bus := Deaf(busy=False, together=together), tell=lambda kind, *_: told.append(kind)), []
+    polled.sweep(5)
+    bus.cut_short, bus.busy = True, True
+    bus.read_motion = bus.read_state = lambda *_: None
+    polled.sweep(20)
+    assert told == []
+    assert {seen.reason for seen in polled.snapshot.servos.values()} == {""}
+
+
+def test_a_search_that_a_stop_cut_short_is_none():
+    bus = Deaf(together=False)
+    bus.cut_short = True
+    polled = Polled(bus, (1, 2), 0.01, lambda *_: "does not answer")
+    polled.sweep(20, each_s=0.0)
+    assert not polled.snapshot.searched
+    bus.cut_short = False
+    polled.sweep(5, each_s=0.0)
+    assert {seen.reason for seen in polled.snapshot.servos.values()} == {"does not answer"}
+
+
+def test_of_servos_on_their_way_one_is_read_in_full_in_each_sweep_and_at_rest_more():
+    polled, read = Polled(bus := Deaf(busy=False), range(1, 11), 0.01, rest_period_s=0.1), []
+    answer = bus.read_state
+    bus.read_state = lambda servo, patience_s: read.append(servo) or answer(servo, patience_s)
+    polled.sweep(2, each_s=0.0)
+    read.clear()
+    polled.sweep(20, each_s=0.0)
+    assert sorted(read) == sorted([*range(1, 11)] * 2)
+    polled.sweep(50, each_s=0.0)
+    read.clear()
+    polled.sweep(5, each_s=0.0)
+    assert sorted(read) == [*range(1, 11)]
+
+
+def test_what_never_answers_is_asked_less_and_less_and_told_of_once():
+    polled, told, tried_s = Polled(bus := Deaf(), tell=lambda kind, *_: told.append(kind)), [], []
+    for _ in range(1200):
+        count = bus.asked.count("all")
+        polled.sweep(each_s=0.05)
+        tried_s += [polled.now] * (bus.asked.count("all") - count)
+    gaps_s = [after_s - before_s for before_s, after_s in pairwise(tried_s[SYNC_READ_FAILURES - 1 :])]
+    assert gaps_s == [pytest.approx(expected_s, abs=0.051) for expected_s in (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)]
+    assert told == ["sync_read"]
     assert bus.asked.count("all") < 0.02 * bus.asked.count("one")
