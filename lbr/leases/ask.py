@@ -63,8 +63,7 @@ def resolve(leases: LeaseTable[M], request: LeaseRequest, now: float) -> Ask[M]:
 def quoted(leases: LeaseTable[M], request: LeaseRequest) -> Lease[M] | None:
     """Return the lease or offer that a request quotes. Offers are those of the last event."""
     known = (leases.live, *leases.offers)
-    quotes = (lease for lease in known if lease is not None and lease.id == request.lease)
-    return next(quotes, None) if request.lease else None
+    return next((lease for lease in known if lease is not None and lease.id == request.lease), None)
 
 
 def _wants(leases: LeaseTable[M], request: LeaseRequest, lease: Lease[M] | None) -> Intent:

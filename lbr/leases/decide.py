@@ -64,7 +64,7 @@ def _begin(leases: LeaseTable[M], ask: Ask[M], motion: M) -> Decision[M]:
     """Give the lease to the new holder; the previous one loses it."""
     before, offer, now = leases.live, ask.quotes, ask.now
     source = offer.source if offer else ask.request.source
-    why = Reason("taken_over", f"taken over by {source}") if before else None
+    why = Reason("taken_over", f"taken over by {source}")
     lease = _new_lease(ask, motion)
     replaced: Endings[M] = ()
     if offer is not None:
@@ -72,9 +72,10 @@ def _begin(leases: LeaseTable[M], ask: Ask[M], motion: M) -> Decision[M]:
         if ask.confirms is None:
             replaced = (Ended(lease=offer, how="superseded", why=ANOTHER, held=False),)
         leases = replace(leases, offers=tuple(one for one in leases.offers if one is not offer))
-    leases, ended = end(leases, "superseded", why, now, heir=source) if why else (leases, ())
+    leases, ended = end(leases, "superseded", why, now, heir=source)
     leases = _keep(replace(leases, begun=max(leases.begun, lease.asked_s)), lease, now)
-    leases, told = report_holder(leases, now, took=source, lost=before.source if before else "", why=why)
+    lost, cause = (before.source, why) if before else ("", None)
+    leases, told = report_holder(leases, now, took=source, lost=lost, why=cause)
     return leases, ended + replaced + told
 
 

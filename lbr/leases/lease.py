@@ -137,7 +137,7 @@ class LeaseTable(Struct, Generic[M], frozen=True, kw_only=True):
 
     phrasing: Phrasing
     ttl_s: float
-    ahead_s: float = 0.0
+    ahead_s: float
     live: Lease[M] | None = None
     offers: tuple[Lease[M], ...] = ()
     revoked: tuple[tuple[str, Reason], ...] = ()

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from lbr.leases.client import ANSWER_S, RENEW_S, SILENT_S, LeaseClient, LeaseTarget
+from lbr.leases.client import LeaseClient, LeaseTarget
 from lbr.messages.codes import Reason
 from lbr.messages.drive import DriveCommand, GoalResult
 from lbr.messages.leases import CommandReply, StopCommand, refused
@@ -32,7 +32,7 @@ def test_it_is_asked_for_once_and_then_quoted_ten_times_a_second(drive):
     lease = LeaseClient(drive, TARGET, SLOW)
     assert not lease.holds
     kept(drive, lease, 1.0)
-    assert lease.holds
+    assert (lease.holds, lease.silent) == (True, False)
     assert [message.lease for message in drive.sent] == ["", *["L1"] * (len(drive.sent) - 1)]
     assert 9 <= len(drive.sent) - 1 <= 11
 
@@ -69,6 +69,17 @@ def test_a_refused_change_halts_what_went_before_and_the_refusal_is_the_reason(d
     assert [halt.reason for halt in drive.halts] == ["something is in the way"]
 
 
+def test_of_two_refusals_the_first_is_the_reason_and_halts_what_went_before_once(drive):
+    lease = LeaseClient(drive, TARGET, SLOW)
+    kept(drive, lease, 0.05)
+    for code in ("obstacle", "limit"):
+        drive.reply = refused(Reason(code, code))
+        lease.send(FAST)
+    lease.step()
+    assert lease.ended == Reason("obstacle", "obstacle")
+    assert drive.halts == [StopCommand(reason="obstacle", own=True)]
+
+
 def test_what_is_not_vital_may_be_refused(drive):
     lease = LeaseClient(drive, TARGET, SLOW)
     kept(drive, lease, 0.05)
@@ -93,6 +104,18 @@ def test_the_result_of_its_goal_ends_it_and_no_other(drive):
     assert (lease.good, lease.ended) == (True, Reason("done", "there"))
 
 
+def test_its_goal_is_that_of_the_newest_answer_that_has_one(drive):
+    lease = LeaseClient(drive, TARGET, given=CommandReply(accepted=True, lease="L1"))
+    for goal, over in (("", ""), ("goal-1", ""), ("goal-2", "goal-1"), ("", "goal-1"), ("", "goal-2")):
+        assert lease.ended is None
+        drive.reply = CommandReply(accepted=True, lease="L1", goal=goal)
+        lease.send(SLOW)
+        lease.step()
+        lease.hear(GoalResult(goal=over, result="superseded", reason="another", code="superseded", elapsed_s=1.0))
+        lease.step()
+    assert lease.ended == Reason("superseded", "another")
+
+
 def test_a_result_that_comes_a_little_after_the_lease_died_says_why(drive):
     target = LeaseTarget("go", "halt", "drive", "silent", result_s=0.3)
     given = CommandReply(accepted=True, lease="L1", goal="goal-0")
@@ -109,30 +132,35 @@ def test_a_result_that_comes_a_little_after_the_lease_died_says_why(drive):
         assert lease.ended == Reason("stuck", "the wheels stand" if heard else "a fault")
 
 
-def test_silence_ends_it_but_not_while_we_were_held_up_ourselves(drive):
+@pytest.mark.parametrize("reply", [None, {}])
+def test_silence_ends_it_but_not_while_we_were_held_up_ourselves(drive, reply):
     lease = LeaseClient(drive, TARGET, SLOW)
     kept(drive, lease, 0.05)
     drive.now += 60.0
     lease.step()
     assert lease.ended is None
-    drive.mute = True
-    kept(drive, lease, SILENT_S + 2 * RENEW_S)
+    drive.mute, drive.reply = reply is None, reply
+    kept(drive, lease, 0.7)
     assert (lease.silent, str(lease.ended)) == (True, "no answer from drive")
 
 
 def test_nobody_there_nobody_wired_and_a_refusal_begin_nothing(drive):
     drive.mute = True
     lease = LeaseClient(drive, TARGET, SLOW)
-    kept(drive, lease, ANSWER_S + SILENT_S - RENEW_S)
+    kept(drive, lease, 1.4)
     assert lease.ended is None, "an answer may still come"
-    kept(drive, lease, 2 * RENEW_S)
+    kept(drive, lease, 0.2)
     assert lease.ended == Reason("unreachable", "no answer from drive")
     drive.mute, drive.absent = False, True
     lease = LeaseClient(drive, TARGET, SLOW)
     lease.step()
     assert lease.ended is not None
     assert lease.ended.code == "wiring"
-    drive.absent, drive.reply = False, refused(Reason("held", "held by phone"))
+    drive.absent, drive.reply = False, {}
+    lease = LeaseClient(drive, TARGET, SLOW)
+    lease.step()
+    assert (lease.ended, lease.silent) == (Reason("unreachable", "'drive' does not answer"), True)
+    drive.reply = refused(Reason("held", "held by phone"))
     lease = LeaseClient(drive, TARGET, SLOW)
     lease.step()
     assert (lease.ended, lease.accepted) == (Reason("held", "held by phone"), None)
@@ -145,6 +173,21 @@ def test_a_release_halts_it_also_before_it_was_accepted_and_once(drive):
     assert lease.release("enough", lost=True) is not None
     assert lease.release("enough") is None
     assert drive.halts == [StopCommand(reason="enough", lost=True, own=True)]
+
+
+def test_what_is_too_long_to_be_sent_is_cut(drive):
+    LeaseClient(drive, TARGET, SLOW).release("e" * 201, by="b" * 201)
+    assert drive.halts == [StopCommand(reason="e" * 200, own=True, by="b" * 200)]
+
+
+def test_without_a_request_to_halt_it_what_moves_ends_with_its_lease(drive):
+    lease = LeaseClient(drive, LeaseTarget("go"), SLOW)
+    kept(drive, lease, 0.02)
+    assert lease.release("enough") is None
+    lease.hear(GoalResult(goal="goal-1", result="reached", reason="there", code="done", elapsed_s=1.0))
+    lease.step()
+    assert lease.ended == Reason("cancelled", "enough")
+    assert {request for request, _ in drive.asked} == {"go"}
 
 
 def test_no_more_is_sent_than_is_answered(drive):

@@ -97,6 +97,7 @@ def test_one_holder_at_a_time_unless_somebody_takes_over(hand):
     assert (hand.ask(), hand.leases.reason) == ("", IDLE)
     hand.wait(0.01)
     assert hand.ask("clap", source="phone") == "held by console; stop it first"
+    assert hand.leases.persistent == {}
     assert hand.ask("clap", source="phone", take_over=True) == ""
     assert hand.motion == "clap"
     assert hand.ends == [("wave", "superseded", True)]
@@ -144,6 +145,10 @@ def test_the_same_again_renews_and_another_motion_changes_under_one_lease(hand):
         assert hand.ask(what, lease="lease1") == ""
     assert (hand.motion, hand.leases.live.id) == ("clap", "lease1")
     assert hand.ends == [("wave", "superseded", False)]
+    hand.wait(0.05)
+    hand.ask("clap", lease="lease1", ttl_s=0.1)
+    hand.wait(0.1)
+    assert not hand.motion, "each renewal says for how long"
 
 
 def test_rest_that_was_overtaken_brings_no_motion_of_before_back(hand):
@@ -192,6 +197,16 @@ def test_from_afar_nothing_moves_until_the_offer_is_quoted(hand):
     assert hand.ends == [], "what confirms an offer goes on with it"
 
 
+def test_an_offer_stays_its_senders_whoever_quotes_it(hand):
+    hand.ask(source="phone")
+    hand.wait(0.01)
+    hand.ask(remote=True, source="page", take_over=True)
+    hand.wait(0.01)
+    assert hand.ask(lease="lease2") == ""
+    assert hand.leases.live.source == "page"
+    assert hand.said[-1].text == "page took the hand from phone"
+
+
 def test_of_offers_the_eight_newest_wait(hand):
     for number in range(10):
         hand.ask(remote=True, source=f"page {number}")
@@ -219,6 +234,7 @@ def test_an_offer_that_is_answered_with_something_else_is_superseded(hand):
     assert resolve(hand.leases, request, hand.now).confirms is None
     hand.ask("clap", remote=True, source="page", lease="lease1")
     assert (hand.motion, hand.ends) == ("clap", [("wave", "superseded", False)])
+    assert resolve(hand.leases, request, hand.now).confirms is None, "that renews"
 
 
 def test_the_emergency_stop_refuses_all_and_whoever_insisted_has_to_pause(hand):
@@ -230,7 +246,7 @@ def test_the_emergency_stop_refuses_all_and_whoever_insisted_has_to_pause(hand):
     hand.wait(0.1)
     assert hand.refusal() == "rest_first"
     assert PHRASING.rest in hand.reply.reason
-    hand.wait(rules.PERSISTENT_S)
+    hand.wait(0.25)
     assert hand.ask() == ""
 
 
@@ -248,6 +264,16 @@ def test_a_renewal_under_way_as_the_emergency_stop_is_latched_leaves_its_sender_
     assert hand.ask("clap") == ""
 
 
+def test_rest_under_a_dead_lease_does_not_count_as_going_on(hand):
+    hand.ask()
+    hand.latch(engaged=True)
+    hand.wait(0.01)
+    assert hand.refusal(what="", lease="lease1") == "dead_lease"
+    hand.latch(engaged=False)
+    hand.wait(0.01)
+    assert hand.ask() == ""
+
+
 @pytest.mark.parametrize("lease", ["", "lease1"])
 def test_a_stream_through_the_emergency_stop_moves_nothing_after_the_reset(hand, lease):
     hand.ask()
@@ -260,11 +286,14 @@ def test_a_stream_through_the_emergency_stop_moves_nothing_after_the_reset(hand,
         hand.wait(0.1)
         assert hand.refusal() == "rest_first"
         assert not hand.motion
+    hand.ask("")
+    hand.wait(0.01)
+    assert hand.ask() == "", "it has come to rest"
 
 
 def test_who_sent_without_permission_is_forgotten_a_second_after_its_pause(hand):
     hand.latch(engaged=True)
-    for source, passed_s, noted in (("a", 0.0, {"a"}), ("b", 1.0, {"a", "b"}), ("c", rules.PERSISTENT_S, {"b", "c"})):
+    for source, passed_s, noted in (("a", 0.0, {"a"}), ("b", 1.0, {"a", "b"}), ("c", 0.25, {"b", "c"})):
         hand.wait(passed_s)
         assert hand.refusal(source=source) == "estop"
         assert hand.leases.persistent.keys() == noted
@@ -282,7 +311,7 @@ def test_a_clock_that_went_back_ends_all_and_lets_begin_anew(hand):
     assert hand.ask(waited_s=0.005) == ""
 
 
-@pytest.mark.parametrize(("paused_s", "code"), [(0.1, "rest_first"), (rules.PERSISTENT_S, "")])
+@pytest.mark.parametrize(("paused_s", "code"), [(0.1, "rest_first"), (0.25, "")])
 def test_a_clock_that_went_back_makes_no_stream_of_before_a_new_wish(hand, paused_s, code):
     hand.latch(engaged=True)
     hand.ask()
@@ -394,12 +423,12 @@ def test_an_own_stop_hides_no_stop_by_another(hand):
 
 
 def test_the_end_of_a_holders_own_motion_is_no_stop_of_the_robot_unless_it_says_so(hand):
-    for whole in (False, True):
+    for said in ({}, {"whole": True}):
         hand.wait(10.0)
         assert hand.ask(source="phone") == ""
-        hand.stop("phone", whole=whole)
+        hand.stop("phone", **said)
         hand.wait(0.1)
-        assert bool(hand.ask(source="console", waited_s=5.0)) is whole
+        assert bool(hand.ask(source="console", waited_s=5.0)) is bool(said)
 
 
 def test_what_waited_through_an_emergency_stop_and_its_reset_moves_nothing(hand):
