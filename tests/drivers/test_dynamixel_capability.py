@@ -173,6 +173,24 @@ def test_torque_comes_on_where_the_servo_is(rig, chain):
     assert rig.ctx.state.phase == "following"
 
 
+@pytest.mark.parametrize(("sources", "said"), [(("joints",), "'joints' is not on the bus"), ((), "wired")])
+def test_without_a_sender_on_the_bus_no_setpoint_would_be_followed(rig, sources, said):
+    rig.on()
+    assert rig.ctx.state.armed
+    rig.ctx.wired["setpoint"] = sources
+    rig.ctx.gone.add("joints")
+    rig.until(lambda: not rig.ctx.state.armed)
+    assert said in rig.ctx.state.reason
+
+
+def test_setpoints_of_anybody_else_are_not_followed(rig, chain):
+    rig.until(rig.seen)
+    for _ in range(50):
+        rig.ctx.give(ServoSetpoint(goals=(ServoGoal(id=1),), lease="a"), source="another")
+        rig.step()
+    assert (rig.ctx.state.phase, chain.servos[1].torque) == ("released", 0)
+
+
 def test_goals_and_speeds_are_followed_by_all_at_once(rig, chain):
     rig.on()
     chain.log.clear()
@@ -470,6 +488,9 @@ def test_a_line_that_babbles_or_echoes_is_told_of_and_the_servos_are_read_all_th
     rig.until(lambda: "babble" in rig.ctx.kinds())
     chain.answer = lambda _request, _usual: None
     rig.until(lambda: "echo" in rig.ctx.kinds())
+    for _ in range(10):
+        rig.step()
+    assert rig.ctx.kinds().count("echo") == 1
 
 
 @pytest.mark.parametrize(("ending", "torque"), [("hold", True), ("release", False)])

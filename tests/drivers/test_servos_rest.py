@@ -148,6 +148,7 @@ def test_a_servo_that_falls_silent_at_rest_is_told_within_a_quarter_of_a_second(
     ((kind, at),) = robot.told
     assert kind == "servo_silent"
     assert at - began <= 0.25
+    assert robot.woken
 
 
 def test_a_servo_that_loses_its_torque_or_latches_a_fault_at_rest_is_read_within_half_a_second(robot):

@@ -246,6 +246,23 @@ def test_a_goal_that_changes_is_sent_at_once_and_one_that_does_not_ten_times_a_s
     assert not bench.rest.lasts
 
 
+def test_an_order_about_torque_ends_the_rest():
+    bench = Bench()
+    bench.on()
+    for _ in range(100):
+        bench.step()
+    assert bench.rest.lasts
+    bench.targets.release("over")
+    assert not bench.rest.lasts
+
+
+def test_a_servo_without_torque_has_nothing_to_confirm_when_all_are_to_hold():
+    bench = Bench()
+    bench.step(follows=False)
+    bench.goal = 600
+    assert bench.targets.unconfirmed(bench.step(follows=False), released=False) == []
+
+
 def test_why_a_servo_gets_no_torque_is_told_once_for_each_reason():
     bench = Bench()
     for reason, times in (("is too hot", 1), ("does not answer", 2)):
