@@ -132,7 +132,7 @@ def test_starting_moves_nothing_and_tells_every_servo(rig, chain):
     rig.until(rig.seen)
     rig.ctx.now += 6.0
     rig.until(rig.seen)
-    assert "babble" not in rig.ctx.kinds()
+    assert rig.ctx.kinds() == ["servo_set_up"]
     state = rig.ctx.state
     assert (state.phase, state.halt) == ("released", 0)
     assert state.armed
@@ -250,6 +250,7 @@ def test_the_emergency_stop_holds_and_is_acknowledged_when_every_servo_was_read_
     rig.until(lambda: rig.ctx.estop.acknowledged[-1] == (False, "released"))
     rig.until(lambda: len(chain.log) > 20)
     assert all(servo.goal == 580 for servo in chain.servos.values())
+    assert rig.ctx.estop.acknowledged.count((False, "released")) == 1
 
 
 def test_the_emergency_stop_may_let_go_at_once(chain, start):
@@ -442,6 +443,12 @@ def test_nothing_is_said_before_every_servo_was_looked_for(chain, start):
     first = {servo.id: servo for servo in rig.ctx.published[0][1].servos}
     assert (first[1].torque, first[2].torque, first[3].torque) == (0.0, None, 1.0)
     assert rig.ctx.published[0][1].phase == "holding"
+
+
+def test_of_many_servos_three_are_named_and_the_others_counted():
+    driver = Dynamixel(Context(ServoChain(5)))
+    assert driver.named([1, 2, 3], "away:") == "away: joint_1 (servo 1), joint_2 (servo 2), joint_3 (servo 3)"
+    assert driver.named([5, 1, 2, 3, 4], "away:").endswith("joint_2 (servo 2) and 2 more")
 
 
 def test_without_its_device_row_or_rows_of_joints_it_says_what_to_add(chain):
