@@ -71,6 +71,7 @@ def everything_frozen(under_test: Bench) -> None:
     world = under_test.pid("world")
     with _insisting(under_test):
         frozen = [process for process in processes_of(under_test.robot.home) if process.pid != world]
+        under_test.wait_for_motion()
         fault_ns = time.monotonic_ns()
         _signal(frozen, signal.SIGSTOP)
         zero = under_test.stopped_after("S11", fault_ns)

@@ -62,7 +62,8 @@ class BusThread(Generic[Bus]):
         with self._changed:
             self._ending = True
             self._changed.notify()
-        self._thread.join(within_s)
+        if self._thread.is_alive():
+            self._thread.join(within_s)
         return not self._thread.is_alive()
 
     def turn(self, wait_s: float = 0.0) -> float | None:

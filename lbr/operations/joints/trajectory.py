@@ -12,6 +12,7 @@ from lbr.messages.joints import Interpolation, KeyFrame
 
 SHORTEST_S = 0.01
 """The least time of a way, even to the present position."""
+SLACK = 1e-9
 STEEPEST = 3.0
 """A cubic stays between its ends while its slopes are at most this many times the straight line's (Fritsch, Carlson).
 """
@@ -23,8 +24,7 @@ class Trajectory(Struct, frozen=True, kw_only=True):
     """Positions of joints over time, in seconds from the start; radians and radians a second.
 
     `slopes` are the speeds at the knots; a joint that has none goes straight. `stretch` is the factor by which it is
-    slower than requested; `slowest` is the joint nearest to its limit. `stable` are the knots at which the robot may
-    come to rest.
+    slower than requested, because of `slowest`. `stable` are the knots at which the robot may come to rest.
     """
 
     times_s: tuple[float, ...]
@@ -71,7 +71,7 @@ def plan(
         knots=knots,
         slopes={joint: tuple(slope / stretch for slope in values) for joint, values in slopes.items()},
         stretch=stretch,
-        slowest=name,
+        slowest=name if stretch > 1.0 + SLACK else "",
         stable=frozenset(at for at, frame in enumerate(frames, 1) if frame.stable),
     )
 

@@ -184,7 +184,7 @@ def test_what_is_frozen_loses_the_servos_and_thawed_it_does_not_go_on(robot, pla
         with suppress(ProcessLookupError):  # the executive ends it as hung before long
             os.kill(pid, signal.SIGCONT)
     until(lambda: idle(robot))
-    assert stays(robot)
+    until(lambda: stays(robot), what="rest, long before the swings would be over")
 
 
 def test_a_killed_driver_ends_the_motion_and_its_next_life_moves_nothing(robot, player):
