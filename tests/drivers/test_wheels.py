@@ -113,6 +113,10 @@ def test_its_kind_is_as_kinds_must_be():
     assert KIND.moves
     assert KIND.device_type == "tiny"
     assert dict(KIND.commands) == {"enable": EnableCommand}
+    assert {word.pattern: word.fixed for word in KIND.words} == {
+        "enable": {"enabled": True},
+        "disable": {"enabled": False},
+    }
 
 
 def test_a_row_that_says_nothing_of_safety_has_all_of_its_layers():

@@ -257,6 +257,11 @@ def test_without_a_wired_source_nothing_arms(bench):
     bench.steps(2 * STEP_S, 0.0)
     assert not bench.state.armed
     assert bench.state.reason == "no source is wired to the setpoint"
+    bench.ctx.wired["setpoint"] = ("drive",)
+    bench.drive()
+    bench.ctx.wired["setpoint"] = ()
+    bench.step()
+    assert (bench.state.armed, bench.state.trips) == (False, 0), "its wires were taken, which is no mishap"
 
 
 def test_a_zero_from_before_the_driver_began_does_not_arm_it():
@@ -293,7 +298,8 @@ def test_silence_of_the_source_is_a_mishap_that_is_told(bench):
 
 
 @pytest.mark.parametrize(("pause_s", "stops"), [(0.12, False), (0.125, True), (0.35, True)])
-def test_a_driver_that_paused_for_as_long_as_a_setpoint_lives_needs_a_new_zero(pause_s, stops):
+def test_a_driver_that_paused_for_as_long_as_a_setpoint_lives_needs_a_new_zero(monkeypatch, pause_s, stops):
+    monkeypatch.setattr(Controller, "fed_s_ago", 0.0)  # whatever the controller took meanwhile
     bench = WheelBench('"guard": false, "setpoint_valid_s": 0.125')
     bench.motors.open()
     bench.drive()
@@ -307,6 +313,16 @@ def test_a_driver_that_paused_for_as_long_as_a_setpoint_lives_needs_a_new_zero(p
     assert (bench.outputs == (0.0, 0.0)) is stops
     if stops:
         assert f" {pause_s:.2f} s" in bench.state.reason
+
+
+@pytest.mark.parametrize(("moving_s", "obeyed"), [(0.03, True), (0.09, False)])
+def test_a_motion_after_a_rest_is_obeyed_only_if_its_beginning_was_not_long_ago(bench, moving_s, obeyed):
+    for power, age_s in ((0.0, 0.0), (0.5, moving_s)):
+        setpoint = MotorSetpoint(left=power, right=power, lease="L1", moving_s=age_s)
+        bench.ctx.arrive("setpoint", setpoint, source="drive")
+        bench.step(0.06)
+        assert bench.state.armed is (obeyed or not power)
+        bench.steps(0.3 * (not power))
 
 
 def test_a_driver_that_paused_at_rest_says_so_and_needs_a_new_zero_too(bench):
@@ -402,7 +418,8 @@ def test_a_controller_that_went_away_is_a_mishap_that_is_told_and_shown(bench):
     assert len(bench.ctx.told("trip")) == 1
     bench.motors.close()
     bench.motors.degraded("unplugged")
-    assert (bench.state.left, bench.state.armed, bench.state.reason) == (0.0, False, "unplugged")
+    assert (bench.state.left, bench.state.right, bench.state.armed) == (0.0, 0.0, False)
+    assert bench.state.reason == "unplugged"
     assert bench.state.trips == 1
 
 
@@ -462,13 +479,18 @@ def test_a_power_that_goes_on_is_written_each_tick_and_not_more_often(bench):
         bench.give(0.5)
         bench.step(0.004)
     assert len(bench.written(since_s)) <= 2
+    assert len([at for at, data in bench.line.written if at >= since_s and data[:1] in b"?~"]) <= 2
 
 
 def test_another_power_is_written_at_once(bench):
     bench.drive()
-    bench.give(0.6)
+    bench.give(0.6, 0.4)
     bench.step(0.004)
-    assert bench.written()[-1] == "!M 600 600"
+    assert bench.written()[-1] == "!M 600 400"
+    for _ in range(4):
+        bench.give(0.6, 0.4)
+        bench.step()
+    assert (bench.state.left, bench.state.right) == (0.6, 0.4)
 
 
 def test_it_asks_the_controller_seldom_at_rest_and_each_tick_in_motion(bench):

@@ -1,5 +1,6 @@
 """Drive and driver of wheels in one virtual time: a base that rested moves as one that is told zero all the time."""
 
+from itertools import pairwise
 from math import inf
 from random import Random
 
@@ -149,11 +150,17 @@ def test_a_drive_that_falls_silent_in_motion_is_zero_in_a_tenth_of_a_second_and_
 
 
 def test_motors_at_rest_tell_their_state_twice_a_second_and_a_motion_at_once() -> None:
-    pair = live(Pair(Drive), [("", BEGINS_S + 1.0)])
-    published = pair.bench.ctx.published
+    pair = live(Pair(Drive), [("", BEGINS_S)])
+    assert not any(state.rests for _, state in pair.bench.ctx.published)
+    pair.pass_time(1.0)
+    published, written = pair.bench.ctx.published, pair.bench.line.written
     published.clear()
+    written.clear()
     pair.pass_time(3.0)
     assert 5 <= len(published) <= 7
+    for sort in (b"!", b"?~"):  # the controller is fed in half of its watchdog's time, and asked as often
+        at = [each for each, data in written if data[:1] in sort]
+        assert {round(after - before, 2) for before, after in pairwise(at)} == {0.1}
     assert all(state.rests for _, state in published)
     pair.order("go")
     pair.pass_time(0.03)
@@ -167,14 +174,16 @@ def test_motors_at_rest_tell_their_state_twice_a_second_and_a_motion_at_once() -
 def test_wheels_that_are_pushed_end_the_rest_and_an_encoder_that_flickers_does_not(
     counts: int, band: int, ends: bool
 ) -> None:
-    pair = live(Pair(Drive, band=band), [("", BEGINS_S + 1.0)])
+    pair = Pair(Drive, band=band)
     device = pair.bench.line.device
-    device.measured = replace(device.measured, counts=(0, counts))
+    device.measured = replace(device.measured, counts=(1000, 1000))
+    live(pair, [("", BEGINS_S + 1.0)])
+    device.measured = replace(device.measured, counts=(1000, 1000 + counts))
     told = len(pair.bench.ctx.published)
-    pair.pass_time(1.2)
-    states = [state for _, state in pair.bench.ctx.published[told:]]
-    assert any(not state.rests for state in states) is ends
-    assert states[-1].counts_right in {counts, -counts}
+    pair.pass_time(0.3)  # less than the period of the state at rest
+    assert any(not state.rests for _, state in pair.bench.ctx.published[told:]) is ends
+    pair.pass_time(0.9)
+    assert abs(pair.bench.state.counts_right) == 1000 + counts
 
 
 def test_a_drive_whose_process_is_gone_at_rest_is_a_loss_at_once() -> None:

@@ -27,7 +27,7 @@ RESTING_PERIOD_S, RESTS_AFTER_S, BEGINS_S = 0.45, 0.5, 2.0
 """The period of the state of armed motors at rest. It begins late enough for readers that start beside them."""
 STANDING_PERIOD_S = 0.09
 """The period of the state while the wheels stand: a third of the age at which the drive calls it too old."""
-RESEND_S, IDLE_QUERY_S = 0.015, 0.05
+RESEND_S = 0.015
 SOON = 0.75
 """The share of a round after which its regular work is due; a setpoint may wake it in between."""
 REPORT_PERIOD_S = 5.0
@@ -64,19 +64,11 @@ class Wheels(Capability[S], ABC):
         self._base = base_of(ctx.rows(Kinematics), ctx.rows(Wheel), track_m=1.0)
         self._enabled = ctx.settings.enabled
         self._latched = False  # an emergency stop was requested and is not released yet
-        self._held_since: float | None = None  # the time at which the controller acknowledged it
         self._source = ""
         self._switching: deque[tuple[Call, float]] = deque()
-        self._stepped: float | None = None
         self._queried = -inf
-        self._published = -inf
         self._published_key: tuple[object, ...] = ()
         self._published_readings: Measured = {}
-        self._stands = self._rests = False
-        self._moved_at = -inf
-        self._faults: tuple[str, ...] = ()
-        self._lacks: Reason | None = None
-        self._unanswered = 0
         self._reported = -inf
         self._watchdog_s = ctx.settings.watchdog_ms / 1000.0
 
@@ -91,10 +83,10 @@ class Wheels(Capability[S], ABC):
         self._controller.open()
         if settings.guard:
             self._guard = self._guarded(self._controller)
-        self._held_since = None
-        self._stepped = None
-        self._faults = ()
-        self._lacks = None
+        self._held_since: float | None = None  # the time at which the controller acknowledged the emergency stop
+        self._stepped: float | None = None
+        self._faults: tuple[str, ...] = ()
+        self._lacks: Reason | None = None
         self._unanswered = 0
         self._moved_at = self.ctx.clock() + BEGINS_S
         self._publish()
@@ -274,8 +266,7 @@ class Wheels(Capability[S], ABC):
 
     def _ask(self, controller: WheelController) -> None:
         now = self.ctx.clock()
-        standing_s = SOON * self._standing_s if self._arming.rests else IDLE_QUERY_S
-        if now - self._queried < (RESEND_S if self._arming.moving else standing_s):
+        if now - self._queried < (RESEND_S if self._arming.moving else SOON * self._standing_s):
             return
         self._queried = now
         controller.poll()

@@ -166,8 +166,8 @@ def towards(left: float, right: float, aside: float = 0.0) -> dict[Direction, fl
     spin = abs(ahead) < SPIN_SHARE * whole
     side = abs(turn) if abs(turn) > SPIN_SHARE * whole else 0.0
     return {
-        "forward": ahead if along and ahead > 0.0 else 0.0,
-        "back": -ahead if along and ahead < 0.0 else 0.0,
+        "forward": max(0.0, ahead) if along else 0.0,
+        "back": max(0.0, -ahead) if along else 0.0,
         "right": max(side if spin or ahead * turn > 0.0 else 0.0, -aside),
         "left": max(side if spin or ahead * turn < 0.0 else 0.0, aside),
     }
@@ -177,8 +177,6 @@ def allowed_mps(room_m: float, settings: DriveSettings) -> float:
     """Return the speed from which the base still stops within `room_m`, reaction included; 0 when there is no room."""
     if not room_m > 0.0:  # this way round, NaN means stop
         return 0.0
-    if room_m == inf:
-        return inf
     reaction_s, brake = settings.reaction_s, settings.brake_mps2
     return max(0.0, brake * (sqrt(reaction_s**2 + 2 * room_m / brake) - reaction_s))
 

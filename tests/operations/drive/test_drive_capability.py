@@ -159,8 +159,9 @@ def test_lease_ids_do_not_repeat_and_cannot_be_guessed(robot):
 def test_a_stop_is_obeyed_and_answered_at_once(robot):
     call = robot.send(robot.ctx.command(0.5))
     robot.run(0.4, renewing(robot, call))
+    assert robot.drive.not_at_rest()
     assert robot.send(robot.ctx.stop()).answer.accepted
-    assert robot.wheels == (0.0, 0.0)
+    assert (robot.wheels, robot.drive.not_at_rest()) == ((0.0, 0.0), "")
     assert robot.ctx.said("state")[-1].reason == "stopped by phone: test"
 
 

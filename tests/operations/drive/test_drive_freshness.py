@@ -328,6 +328,20 @@ def test_a_step_of_the_clock_stops_it_and_moves_nothing_afterwards(bench, step_s
     assert bench.wheels != STILL
 
 
+def test_after_the_clock_went_back_motors_are_believed_anew_and_nothing_else_of_before(bench):
+    bench.look(heading_deg=0.0)
+    bench.count()
+    bench.lose_motors()
+    bench.now -= 50.0
+    bench.event_tick()
+    bench.now += 0.5
+    bench.sense()
+    assert bench.drive(0.5).accepted
+    bench.stop()
+    bench.now += 0.1
+    assert bench.turn(90.0).code == bench.drive(0.5, distance_cm=50.0).code == "stale_sensor"
+
+
 def test_what_the_motors_said_before_they_were_lost_brings_nothing_back(bench):
     said = bench.now
     bench.now += 0.05

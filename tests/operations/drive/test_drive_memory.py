@@ -358,19 +358,34 @@ def test_a_spot_more_never_frees(x_m, y_m, left, right):
     assert limit(two, SETTINGS, (left, right), 10.0).scale <= limit(one, SETTINGS, (left, right), 10.0).scale
 
 
+def out_m(radius_m, x_m, y_m, turned_rad):
+    """The distance of a point from the outline of a base that has turned so far about (0, radius_m)."""
+    c, s, y = cos(turned_rad), sin(turned_rad), y_m - radius_m
+    here_x, here_y = c * x_m + s * y, radius_m + c * y - s * x_m
+    return hypot(max(0.0, abs(here_x) - AHEAD_M), max(0.0, abs(here_y) - ASIDE_M))
+
+
 @given(st.floats(-0.8, 0.8), place, place)
 def test_the_closed_form_is_what_small_steps_find(radius_m, x_m, y_m):
-    def out_m(turned_rad):
-        c, s, y = cos(turned_rad), sin(turned_rad), y_m - radius_m
-        here_x, here_y = c * x_m + s * y, radius_m + c * y - s * x_m
-        return hypot(max(0.0, abs(here_x) - AHEAD_M), max(0.0, abs(here_y) - ASIDE_M))
-
-    assume(out_m(0.0) > MARGIN_M + 1e-6)
+    spot = radius_m, x_m, y_m
+    assume(out_m(*spot, 0.0) > MARGIN_M + 1e-6)
     found = Footprint(AHEAD_M, ASIDE_M, MARGIN_M, radius_m).until_rad(x_m, y_m)
     steps = [degree * tau / 720 for degree in range(720)]
-    assert all(out_m(step) > MARGIN_M - 1e-6 for step in steps if step < found)
+    assert all(out_m(*spot, step) > MARGIN_M - 1e-6 for step in steps if step < found)
     if found < inf:
-        assert out_m(found) == pytest.approx(MARGIN_M, abs=1e-6)
+        assert out_m(*spot, found) == pytest.approx(MARGIN_M, abs=1e-6)
+
+
+@given(
+    st.floats(-0.8, 0.8),
+    st.floats(-AHEAD_M - MARGIN_M, AHEAD_M + MARGIN_M),
+    st.floats(-ASIDE_M - MARGIN_M, ASIDE_M + MARGIN_M),
+)
+def test_a_spot_within_the_margin_forbids_to_come_nearer_and_one_within_the_outline_nothing(radius_m, x_m, y_m):
+    now_m, then_m = (out_m(radius_m, x_m, y_m, turned_rad) for turned_rad in (0.0, 1e-6))
+    assume(now_m < MARGIN_M - 1e-6 and (now_m == 0.0 or abs(then_m - now_m) > 1e-9))
+    nearer = now_m > 0.0 and then_m < now_m
+    assert Footprint(AHEAD_M, ASIDE_M, MARGIN_M, radius_m).until_rad(x_m, y_m) == (0.0 if nearer else inf)
 
 
 # in the world

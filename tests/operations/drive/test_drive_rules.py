@@ -47,6 +47,16 @@ def test_speed_ahead_follows_the_room_there_is(forward_m, scale):
     assert limit(SETTINGS, views(forward=forward_m), AHEAD, 10.0).scale == pytest.approx(scale, abs=2e-3)
 
 
+def test_a_faster_base_is_slowed_down_by_more():
+    faster = DriveSettings(max_speed_mps=2.0)
+    assert limit(faster, views(forward=0.5), AHEAD, 10.0).scale == pytest.approx(0.5250 / 2, abs=1e-3)
+
+
+def test_an_odometer_counts_the_way_along_and_what_side_sensors_see_go_by():
+    driven = Odometer(along_m=1.0, turned_m=1.0).driven(0.5, 0.3, 0.1, 2.0, aside=-0.2)
+    assert (driven.along_m, driven.turned_m) == pytest.approx((1.08, 1.06))
+
+
 def test_at_the_very_speed_that_it_allows_a_rule_says_nothing():
     settings = DriveSettings(reaction_s=1.0, brake_mps2=2.0)
     assert limit(settings, views(forward=1.5), AHEAD, 10.0) == FREE

@@ -280,6 +280,7 @@ def test_the_lidar_stops_a_base_that_comes_near_and_slows_it_before():
         (scan(range_max_m=1.0), "lidar forward reading is missing"),
         (scan(angle_min_rad=0.5, ranges_m=(2.0,) * 90), "lidar forward reading is missing"),
         (scan(sensor="other"), "lidar forward was never measured"),
+        (scan(range_min_m=0.0), ""),
     ],
 )
 def test_without_a_scan_to_go_by_nothing_moves(message, says):
@@ -287,7 +288,7 @@ def test_without_a_scan_to_go_by_nothing_moves(message, says):
     if message is not None:
         base.see(message)
     reply = base.drive(0.3)
-    assert (reply.accepted, reply.code, reply.reason) == (False, "stale_sensor", says)
+    assert (reply.accepted, reply.code, reply.reason) == (not says, "stale_sensor" if says else "", says)
 
 
 def test_a_lidar_that_falls_silent_stops_the_base_as_an_old_sensor_does():
@@ -353,6 +354,18 @@ def test_one_more_distance_counts_by_its_row():
     assert drive_state(base.state, base.now).sees == {}
     base.see(scan(bow, ranges_m=(0.1,)))
     assert base.state.memory.spots == (), "of one distance a scan says nothing"
+
+
+def test_one_more_distance_that_stays_the_same_stops_the_base():
+    bow = RangeSensor(name="bow", kind="infrared", x_m=0.215, fov_rad=0.1, max_m=4.0)
+    base = Base(*RING, bow)
+    for count in range(40):
+        base.now += 0.02
+        base.sense()
+        base.event(_told(base, bow=2.0))
+        base.drive(0.3, lease=base.replies[0].lease if count else "")
+        base.event_tick()
+    assert (base.setpoints[-1].left, "frozen" in drive_state(base.state, base.now).reason) == (0.0, True)
 
 
 def test_a_move_may_be_bound_to_any_single_distance_and_to_no_scan():

@@ -208,6 +208,7 @@ def test_a_base_that_sticks_gets_what_it_needs_and_no_more(angle_deg, late, lazy
         ({"measured_s": 99.0}, ("attitude", "older", "0.2 s"), ("older",)),
         ({"heading_deg": None, "heading_reason": "iron is near"}, (), ("heading", ": iron is near")),
         ({"heading_deg": nan}, (), ("heading", "not measured")),
+        ({"heading_deg": 361.0}, (), ("heading",)),
     ],
 )
 def test_what_the_attitude_does_not_allow_is_refused_with_its_reason(body, attitude, turn_about, heading_about):
