@@ -25,7 +25,7 @@ def test_a_motion_keeps_to_the_limits_of_its_joints_and_no_way_has_to_be_stretch
             assert limits[joint].lower_rad <= angle <= limits[joint].upper_rad, joint
     upright = {**dict.fromkeys(limits, 0.0), **MOTIONS["initial"].frames[0].positions}
     way = plan(upright, frames_of(MOTIONS[name], 3), {joint.name: joint.speed_rps for joint in JOINTS})
-    assert (way.stretch, way.slowest) == (1.0, "")
+    assert way.stretch == 1.0, way.slowest
 
 
 @pytest.mark.parametrize("name", STANDING)

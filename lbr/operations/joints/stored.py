@@ -105,8 +105,8 @@ def _report_of(state: State, order: Stored) -> StoredState | None:
 
 
 def _afterwards(state: State, name: str, motion: StoredMotion, now: float) -> float | None:
+    """Return a joint's position in the pose, or None if it was measured elsewhere: it is held there."""
     pose = motion.pose.get(name)
     found = position_rad(state, name) if age_s(state, name, now) <= FRESH_S else None
-    if found is None or (pose is not None and abs(found - pose) <= state.settings.tolerance_rad):
-        return pose
-    return None if state.body.beyond_rad(name, found) > 0.0 else found
+    there = found is None or (pose is not None and abs(found - pose) <= state.settings.tolerance_rad)
+    return pose if there else None

@@ -49,7 +49,7 @@ class Servos:
         self.ages_s = {}
         self.held_at = {}
         self.phase = "released"
-        self.armed, self.reason, self.estop, self.rests = True, "", False, False
+        self.armed, self.reason, self.code, self.estop, self.rests = True, "", "", False, False
         self.sweep = 0
         self.stores, self.stored, self.mode = False, None, ""
         self.doubted = set()
@@ -92,6 +92,7 @@ class Servos:
             phase=self.phase,
             servos=tuple(self._servo(servo) for servo in self.at),
             reason=self.reason,
+            code=self.code,
             estop=self.estop,
             rests=self.rests,
             stores=self.stores,

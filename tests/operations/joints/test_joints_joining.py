@@ -97,6 +97,15 @@ def test_what_joins_anew_goes_on_as_fast_as_it_goes_so_that_a_stream_of_it_arriv
     assert bench.now - 100.0 < 3.0
 
 
+def test_what_joins_anew_in_the_other_direction_turns_back_smoothly(bench):
+    reply = bench.command({"left_knee": -1.0}, join=True)
+    bench.run(0.2, reply.lease)
+    before = bench.goals["left_knee"]
+    joins(bench, {"left_knee": 0.0}, reply.lease)
+    bench.run(DT, reply.lease)
+    assert abs(bench.goals["left_knee"] - before) < 0.3 * 2.0 * DT
+
+
 def test_it_begins_with_the_setpoint_that_follows_at_once_and_never_jumps(bench):
     before = bench.goals["left_shoulder_pitch"]
     bench.now = round(bench.now + DT / 2, 6)

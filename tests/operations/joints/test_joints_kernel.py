@@ -28,7 +28,7 @@ def test_start_up_moves_nothing_and_switches_nothing_on():
     bench = Bench()
     bench.run(0.1)
     assert {goal.torque for goal in bench.setpoint.goals} == {0.0}
-    assert not bench.setpoint.lost
+    assert (bench.setpoint.lost, bench.setpoint.halt) == (False, 1)
 
 
 def test_nothing_is_said_to_servos_that_were_never_heard(wording):
@@ -434,8 +434,9 @@ def test_a_driver_that_holds_although_it_is_told_to_follow_ends_the_motion(bench
     reply = bench.command(SLOW, duration_s=2.0)
     bench.run(0.1, reply.lease)
     bench.servos.obey = lambda setpoint: None
-    bench.servos.phase, bench.servos.reason = "holding", "the lease has died"
+    bench.servos.phase, bench.servos.reason, bench.servos.code = "holding", "the lease has died", "no_setpoint"
     bench.run(0.02, reply.lease)
+    assert bench.results[-1].code == "no_setpoint"
     wording(*last(bench))
 
 
@@ -448,6 +449,7 @@ def test_a_stream_of_commands_is_no_reason_to_wait_for_servos_for_ever(bench, fo
     for turn in range(40):
         bench.run(0.01)
         bench.command(SLOW, duration_s=2.0 + turn / 100, lease=reply.lease)
+    assert bench.results[-1].code == "not_followed"
     wording(*last(bench))
 
 
@@ -693,6 +695,12 @@ def test_from_another_machine_torque_is_switched_by_a_query_alone(bench, remote,
     reply = bench.answer(event)
     assert (reply.accepted, reply.code) == (not code, code)
     assert ("head_yaw" in bench.state.on) is bool(code)
+
+
+def test_torque_is_not_switched_by_a_command_that_comes_late(bench):
+    command = TorqueCommand(on=False, joints=("head_yaw",))
+    assert bench.answer(Torque(command=command, source="page", received=bench.now - 0.5)).code == "late"
+    assert "head_yaw" in bench.state.on
 
 
 @pytest.mark.parametrize(
