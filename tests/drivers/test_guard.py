@@ -3,6 +3,7 @@
 import gc
 import os
 import runpy
+import signal
 import subprocess
 import sys
 import termios
@@ -11,7 +12,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from lbr.drivers.guard import BEAT_S, DEAF_S, RESTING_BEAT_S, STARTS_S, Guard
+from lbr.drivers.guard import Guard
 from lbr.drivers.servos.guard_release import STEP_S
 from lbr.drivers.wheels import guard_stop
 from tests.support import programs
@@ -65,17 +66,48 @@ def test_a_guard_is_told_often_that_something_may_move_and_seldom_that_nothing_d
     now, told = [100.0], []
     guard = Guard(lambda pipe, _driver: told.append(os.dup(pipe)) or ["-c", "input()"], (), lambda: now[0], 1.0)
     (pipe,) = told
+    assert not os.get_blocking(guard._alive), "a full pipe holds no driver up"
     counts = []
-    for turning in (False, True):
+    for turning, beat in ((False, b"z"), (True, b"m")):
         guard.beat(turning=turning)
         os.read(pipe, 4096)
         for _ in range(2000):
             now[0] += 0.001
             guard.beat(turning=turning)
-        counts.append(len(os.read(pipe, 4096)))
+        said = os.read(pipe, 4096)
+        assert said.replace(beat, b"") == b""
+        counts.append(len(said))
+        now[0] += 0.5
+        guard.beat(turning=turning)
+        assert guard.standing, "it has read what it was told"
+        os.read(pipe, 4096)
     guard.dismiss()
+    assert os.read(pipe, 4096) == b"q"
     os.close(pipe)
-    assert counts == [pytest.approx(2.0 / RESTING_BEAT_S, abs=1.0), pytest.approx(2.0 / BEAT_S, abs=10.0)]
+    assert counts == [pytest.approx(2.0 / 0.5, abs=1.0), pytest.approx(2.0 / 0.015, abs=10.0)]
+
+
+def test_a_guard_leaves_no_descriptor_behind_also_if_it_cannot_begin(monkeypatch):
+    def begins(*fds):
+        return Guard(lambda *_: ["-c", ""], fds, lambda: 0.0, 1.0)
+
+    def no_process(_pid):
+        raise OSError("no process")
+
+    before = len([*Path("/proc/self/fd").iterdir()])
+    begins().dismiss()
+    with pytest.raises(OSError, match="Bad file descriptor"):
+        begins(10**6)
+    monkeypatch.setattr(os, "pidfd_open", no_process)
+    with pytest.raises(OSError, match="no process"):
+        begins()
+    assert len([*Path("/proc/self/fd").iterdir()]) == before
+
+
+def test_a_guard_that_does_not_heed_its_dismissal_is_killed():
+    guard = Guard(lambda *_: ["-c", "import time; time.sleep(10)"], (), lambda: 0.0, 1.0)
+    guard.dismiss()
+    assert guard._process.returncode == -signal.SIGKILL
 
 
 @pytest.fixture
@@ -93,7 +125,7 @@ def starting():
 
 def test_a_guard_that_takes_seconds_to_start_stands_and_listens_once_it_has_heard_its_driver(starting):
     guard, now, starts = starting
-    while now[0] < 100.0 + STARTS_S - 0.6:
+    while now[0] < 100.0 + 20.0 - 0.6:
         now[0] += 0.6
         guard.beat(turning=False)
         assert (guard.standing, guard.listens) == (True, False)
@@ -102,22 +134,22 @@ def test_a_guard_that_takes_seconds_to_start_stands_and_listens_once_it_has_hear
     assert guard.standing
 
 
-@pytest.mark.parametrize(("turning", "patience_s"), [(False, STARTS_S), (True, DEAF_S)])
+@pytest.mark.parametrize(("turning", "patience_s"), [(False, 20.0), (True, 0.4)])
 def test_a_guard_that_does_not_start_or_hangs_stands_no_more_the_sooner_while_something_may_move(
     starting, turning, patience_s
 ):
     guard, now, _starts = starting
     guard.beat(turning=turning)
     for share, stands in ((0.9, True), (1.1, False)):
-        now[0] = 100.0 + share * patience_s + RESTING_BEAT_S * (not turning)
+        now[0] = 100.0 + share * patience_s + 0.5 * (not turning)
         guard.beat(turning=turning)
         assert guard.standing is stands
 
 
 def test_guards_that_are_left_the_line_go_on_and_are_waited_for_by_the_next():
     begun, goes_on = os.pipe()
-    program = ["-c", f"import os; os.read({begun}, 1)"]
-    guards = [Guard(lambda *_: program, (begun,), lambda: 0.0, 1.0) for _ in range(3)]
+    program = f"import os, sys; os.read({begun}, 1); [*iter(lambda: os.read(int(sys.argv[1]), 9), b'')]"
+    guards = [Guard(lambda pipe, _: ["-c", program, str(pipe)], (begun,), lambda: 0.0, 1.0) for _ in range(3)]
     first, second, third = (guard.pid for guard in guards)
     for _ in range(2):
         guards.pop(0).leave()
@@ -144,26 +176,31 @@ def test_who_only_reads_the_program_of_a_guard_runs_nothing_and_finds_its_module
     assert sys.path == before
 
 
-def test_a_controller_that_says_nothing_is_told_to_stop_ten_times_in_a_third_of_a_second(monkeypatch):
+@pytest.mark.parametrize(("answer", "tries"), [(b"", 10), (b"ok\r", 2)])
+def test_a_controller_is_told_to_stop_twice_and_ten_times_in_a_third_of_a_second_if_it_says_nothing(
+    monkeypatch, answer, tries
+):
     now, told, dropped = [100.0], [], []
 
-    def nothing_comes(_reads, _writes, _errors, seconds):
-        now[0] += seconds
-        return [], [], []
+    def comes(reads, _writes, _errors, seconds):
+        now[0] += 0.0 if answer else seconds
+        return reads if answer else [], [], []
 
     def write(_line, stop):
         told.append((now[0], stop))
 
     monkeypatch.setattr(guard_stop, "outlast", lambda *_: True)
     monkeypatch.setattr(guard_stop, "time", SimpleNamespace(monotonic=lambda: now[0]))
-    monkeypatch.setattr(guard_stop, "select", SimpleNamespace(select=nothing_comes))
-    monkeypatch.setattr(guard_stop, "os", SimpleNamespace(write=write))
+    monkeypatch.setattr(guard_stop, "select", SimpleNamespace(select=comes))
+    monkeypatch.setattr(guard_stop, "os", SimpleNamespace(write=write, read=lambda *_: answer))
     monkeypatch.setattr(guard_stop.termios, "tcflush", lambda _line, queue: dropped.append((now[0], queue)))
     with Path(os.devnull).open() as line:
         guard_stop.main(line.fileno(), -1, -1, 150, b"stop\r", b"ok\r")
-    assert told == [(pytest.approx(100.0 + 0.03 * tried), b"stop\r") for tried in range(10)]
-    assert now[0] == pytest.approx(100.3)
-    assert dropped[-1] == (now[0], termios.TCOFLUSH), "closing a line waits for what is left in it"
+    waited_s = 0.0 if answer else 0.03
+    assert told == [(pytest.approx(100.0 + waited_s * tried), b"stop\r") for tried in range(tries)]
+    assert now[0] == pytest.approx(100.0 + waited_s * tries)
+    dropped_after = (now[0], termios.TCOFLUSH) in dropped
+    assert dropped_after is not bool(answer), "closing a line waits for what is left in it"
 
 
 @pytest.mark.parametrize(

@@ -36,6 +36,8 @@ def test_silence_ends_the_motion_and_its_lease_is_dead_for_good():
     assert (state.follows, state.code) == (False, "")
     assert state.lost_since is None, "somebody cares for it, so it is not let go"
     assert receive(state, setpoint(lease="b"), 10.3, 10.3, VALID_S).follows
+    followed = receive(tick(following("a"), 10.15, VALID_S), setpoint(lease="b"), 10.2, 10.2, VALID_S)
+    assert (followed.follows, followed.reason, followed.code) == (True, "", "")
 
 
 def test_whoever_is_lost_leaves_servos_that_hold_then_fade_then_are_let_go():

@@ -28,9 +28,10 @@ def begun(guard, what):
 @pytest.mark.parametrize(("acknowledged", "word"), [(b"ok\r", b"ok\r".hex()), (b"", "-")])
 def test_a_guard_of_wheels_knows_line_silence_stop_and_acknowledgement(line, acknowledged, word):
     guard = wheels.Guard(line, GuardStop(b"P 0 0\r", acknowledged), 150, lambda: 0.0)
-    told = begun(guard, "cmdline")
+    told, surroundings = begun(guard, "cmdline"), begun(guard, "environ")
     guard.dismiss()
     assert (told[4], told[7]) == (str(line), "150")
+    assert f"{lifeline.LAST_WORD}=2" in surroundings
     assert told[8:10] == [b"P 0 0\r".hex(), word]
 
 

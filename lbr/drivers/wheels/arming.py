@@ -86,13 +86,13 @@ class Arming(SetpointGate[Setpoint]):
 def receive(state: Arming, setpoint: Setpoint, now: float, valid_s: float) -> Arming:
     """Return the state after a setpoint from the wired source."""
     verdict = state.judge(setpoint, now, valid_s)
-    if verdict == "not_finite":
+    missed = verdict == "passes" and not setpoint.neutral and _begun_unseen(state, setpoint, now, valid_s)
+    if missed or verdict == "not_finite":
         unnamed = f"the setpoint gives motor '{setpoint.unnamed}' no power: drive and driver know other motors"
         why = unnamed if setpoint.unnamed else "the setpoint is not a finite number"
+        why = "the beginning of this motion was missed" if missed else why
         return _disarm(state.revoked(setpoint.lease), why, now, fault=True)
     arms = setpoint.neutral and not state.inhibited and setpoint.born > state.since
-    if verdict == "passes" and not setpoint.neutral and _begun_unseen(state, setpoint, now, valid_s):
-        return _disarm(state.revoked(setpoint.lease), "the beginning of this motion was missed", now, fault=True)
     if verdict == "passes" and (state.armed or arms):
         return replace(state, setpoint=setpoint, reason="", code="")
     return state
