@@ -118,8 +118,6 @@ class Joints(LeasingCapability[JointsSettings, State]):
     def not_at_rest(self) -> str:
         """Return a sentence if something may still move by the driver's state, or an empty string."""
         servos = self._state.servos
-        if self._state.move is not None:
-            return NOT_HELD
         held = not self._driver_alive if servos is None else servos.estop or servos.phase in {"holding", "released"}
         return "" if held else NOT_HELD
 

@@ -90,8 +90,8 @@ class Move(Struct, frozen=True, kw_only=True):
 
     @property
     def over_since(self) -> float:
-        """Return the time at which the last end was commanded; NaN before."""
-        return max((arrived for _, _, _, arrived in self.ways()), default=nan) if self.over else nan
+        """Return the time at which the last end was commanded, once all were."""
+        return max((arrived for _, _, _, arrived in self.ways()), default=nan)
 
     def ways(self) -> Iterator[tuple[str, Trajectory, float, float]]:
         """Yield each joint, its way, its elapsed seconds, and the time at which its end was commanded."""

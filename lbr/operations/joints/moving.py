@@ -106,9 +106,7 @@ def as_found(state: State, name: str) -> float | None:
 
 def held_again(state: State) -> State:
     """Return the state with a holder again; joints that gave way meanwhile are held at their position now."""
-    if state.feet is not None:
-        state = replace(state, feet=None, lost=False)
-    return replace(freeze(state), lost=False) if state.lost else state
+    return replace(freeze(state), lost=False) if state.lost else replace(state, feet=None)
 
 
 def interrupted(state: State) -> State:

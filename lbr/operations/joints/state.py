@@ -141,8 +141,7 @@ def first_state(settings: JointsSettings, body: Body, began: float = -inf) -> St
 def without(state: State, names: frozenset[str]) -> State:
     """Return the state in which these joints have no torque."""
     goals = {name: goal for name, goal in state.goals.items() if name not in names}
-    strength = {name: share for name, share in state.strength.items() if name not in names}
-    return replace(state, on=state.on - names, goals=goals, strength=strength)
+    return replace(state, on=state.on - names, goals=goals)
 
 
 def position_rad(state: State, name: str) -> float | None:

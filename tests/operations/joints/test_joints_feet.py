@@ -211,7 +211,12 @@ def test_a_single_joint_is_held_at_once_also_beside_a_motion(bench):
     lease = steps(bench)
     bench.command({"left_shoulder_pitch": 1.0}, join=True, lease=lease)
     bench.run(0.05, lease)
+    bench.servos.stuck = {2}
+    at = bench.measured("left_shoulder_pitch") - 0.2
+    bench.push("left_shoulder_pitch", at)
+    bench.hear()
     bench.stop()
+    assert bench.goals["left_shoulder_pitch"] == pytest.approx(at)
     at = bench.goals["left_shoulder_pitch"]
     bench.run(0.5)
     assert bench.goals["left_shoulder_pitch"] == at

@@ -106,6 +106,23 @@ def test_what_joins_anew_in_the_other_direction_turns_back_smoothly(bench):
     assert abs(bench.goals["left_knee"] - before) < 0.3 * 2.0 * DT
 
 
+def test_what_joins_begins_as_fast_as_it_may_wherever_it_is(bench):
+    lease = bench.command({"left_knee": -1.0}, join=True, stay=True).lease
+    bench.run(1.0, lease)
+    joins(bench, {"left_knee": -0.2}, lease)
+    bench.run(DT, lease)
+    assert bench.goals["left_knee"] + 1.0 > 0.7 * 2.0 * DT
+
+
+def test_a_joint_on_its_way_that_joins_anew_between_two_rounds_does_not_jump(bench):
+    lease = bench.command({"left_shoulder_pitch": 2.0}, join=True, interpolation="linear").lease
+    bench.run(0.2, lease)
+    before = bench.goals["left_shoulder_pitch"]
+    bench.now = round(bench.now + DT / 2, 6)
+    bench.command({"left_shoulder_pitch": 2.1}, join=True, interpolation="linear", lease=lease)
+    assert abs(bench.goals["left_shoulder_pitch"] - before) <= 2.0 * DT / 2 + 1e-9
+
+
 def test_it_begins_with_the_setpoint_that_follows_at_once_and_never_jumps(bench):
     before = bench.goals["left_shoulder_pitch"]
     bench.now = round(bench.now + DT / 2, 6)
@@ -206,6 +223,14 @@ def test_each_joint_may_have_a_strength_of_its_own_and_all_of_them_begin_or_none
     bench.run(DT)
     bench.command({"left_knee": -1.0}, torque=1.0, torques={"left_knee": 0.6}, mirror=True)
     assert strengths(bench) == {"left_knee": 0.2, "right_knee": 0.6, "head_yaw": 0.8}
+
+
+def test_a_strength_that_is_said_again_does_not_hide_that_a_servo_lost_its_torque(bench):
+    bench.run(1.0)
+    bench.command(SLOW, torque=0.5)
+    bench.servos.powerless = {14: "was it without power?"}
+    bench.hear()
+    assert "left_knee" not in bench.state.on
 
 
 def test_strength_stays_until_it_is_said_again_or_switched_on_anew(bench):

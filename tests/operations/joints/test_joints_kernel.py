@@ -60,6 +60,7 @@ def test_positions_are_reached_smoothly_and_the_result_says_so(bench):
     bench.run(1.0, reply.lease)
     assert bench.goals["left_knee"] == pytest.approx(-0.5, abs=0.02)
     assert bench.goals["right_knee"] == 0.0
+    assert bench.setpoint.lease == reply.lease
     bench.run(1.1, reply.lease)
     assert bench.measured("left_knee") == pytest.approx(-1.0)
     (result,) = bench.results
@@ -459,6 +460,7 @@ def test_a_servo_that_was_without_power_stays_without_torque_until_it_is_switche
     bench.run(0.02)
     assert "left_knee" not in bench.goals
     assert bench.events[-1].text == "left_knee is without torque: was it without power?"
+    assert bench.events[-1].code == "no_torque"
     assert "torque on first" in bench.command(SLOW).reason
     bench.servos.powerless = {}
     assert bench.torque("left_knee", on=True).accepted
@@ -543,6 +545,7 @@ def test_joints_that_do_not_arrive_are_named_with_how_far_they_are_away(bench):
     bench.run(0.2, reply.lease)
     result, reason = last(bench)
     assert result == "reached"
+    assert reason.startswith("over after 1.0")
     assert reason.endswith("but left_knee is 0.50 rad away from its goal")
 
 
@@ -551,6 +554,8 @@ def test_a_clock_that_goes_back_ends_everything(bench):
     bench.now -= 10.0
     bench.run(DT, hear=False)
     assert last(bench) == ("fault", "the clock went back")
+    bench.give(ServosSeen(servos=bench.servos.state(bench.now), arrived=bench.now - 0.1))
+    assert bench.state.servos is None, "it came before that"
 
 
 def test_a_loop_that_was_held_up_goes_on_from_where_it_was(bench):
@@ -595,6 +600,7 @@ def test_who_switches_the_torque_of_one_joint_off_leaves_the_others_held(bench):
 
 
 def test_all_torque_off_is_refused_unless_it_is_meant(bench):
+    assert "console switched the torque of all joints on" in {event.text for event in bench.events}
     assert not bench.torque(on=False).accepted
     assert not bench.torque(*NAMES, on=False).accepted
     assert set(bench.goals) == set(NAMES)
