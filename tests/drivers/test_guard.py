@@ -107,7 +107,7 @@ def test_a_guard_leaves_no_descriptor_behind_also_if_it_cannot_begin(monkeypatch
 def test_a_guard_that_does_not_heed_its_dismissal_is_killed():
     guard = Guard(lambda *_: ["-c", "import time; time.sleep(10)"], (), lambda: 0.0, 1.0)
     guard.dismiss()
-    assert guard._process.returncode == -signal.SIGKILL
+    assert (guard._process.returncode, guard.standing, guard.woken()) == (-signal.SIGKILL, False, False)
 
 
 @pytest.fixture
