@@ -42,7 +42,7 @@ def begin(state: State, move: Move, lease: str, stop: Stop | None, now: float, *
             return None
         pose = move.stored.motion.pose
         feet = replace(feet, pose=pose, names=tuple(pose))
-        return replace(state, halt=state.halt + 1, feet=feet, lost=False)  # the new count makes the driver end it
+        return replace(state, halt=state.halt + 1, feet=feet)  # the new count makes the driver end it
     way = _way_on(state, move)
     if way is None or any(fault(state, name, now) for name in way.knots):
         return None
@@ -50,7 +50,7 @@ def begin(state: State, move: Move, lease: str, stop: Stop | None, now: float, *
     here = freeze(state).goals if left else {}
     goals = {**state.goals, **{name: here[name] for name in left if name in here}}
     feet = replace(feet, trajectory=way, names=tuple(way.knots), followed=move.followed)
-    return replace(state, goals=goals, ticked=now, feet=feet, lost=False)
+    return replace(state, goals=goals, ticked=now, feet=feet)
 
 
 def again(state: State, stop: Stop) -> State | None:

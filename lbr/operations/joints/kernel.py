@@ -143,4 +143,4 @@ def _lose_time(state: State, now: float) -> Decision:
     """Stop, and forget every dated value: dates are meaningless after the clock went back."""
     gone = f"{ending.BACK}; the servo driver has not reported since"
     state, said = still(state, ending.lose_time(state.leases, state.clock, now), now)
-    return replace(state, servos=None, servos_gone=gone, servos_lost=now, servos_at=nan, ticked=nan), said
+    return replace(state, servos=None, servos_gone=gone, servos_lost=now, servos_at=nan), said

@@ -75,7 +75,7 @@ def ending(state: State, order: Stored, now: float) -> tuple[Ending, Reason] | N
 def after(state: State, order: Stored, now: float) -> State:
     """Return the state after its end: joints at its pose, unless measured elsewhere since; or released."""
     if order.motion.limp:
-        return replace(state, on=frozenset(), goals={}, strength={}, resting=state.on, released_at=now)
+        return replace(state, on=frozenset(), goals={}, resting=state.on, released_at=now)
     goals = {name: _afterwards(state, name, order.motion, now) for name in state.on}
     return replace(state, goals=goals, switched=now)
 

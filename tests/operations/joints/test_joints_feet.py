@@ -158,6 +158,15 @@ def test_a_stop_after_a_lapse_is_the_first(bench):
     assert bench.setpoint.lost
 
 
+def test_that_the_mover_is_lost_is_no_stop_by_hand(bench):
+    bench.command(frames=STEP, ttl_s=0.3)
+    bench.run(0.32)
+    bench.answer(Stop(source="console", received=bench.now, lost=True))
+    bench.run(0.12)
+    bench.stop("console")
+    assert not stands(bench)
+
+
 def test_a_new_motion_takes_over_from_where_it_is(bench):
     steps(bench)
     bench.stop()
@@ -281,6 +290,20 @@ def test_what_the_controller_plays_goes_straight_to_its_pose_once_it_was_measure
     bench.run(0.45)
     assert bench.measured("left_knee") == pytest.approx(-0.5 if stable else -0.3, abs=0.02)
     assert stands(bench)
+
+
+def test_a_place_that_was_measured_before_a_stop_is_not_where_its_step_begins(bench):
+    bench.servos.stores = True
+    bench.hear()
+    lease = bench.command(stored=StoredMotion(slot=4, duration_s=2.0, pose=POSE, stable=True)).lease
+    bench.run(0.1, lease)
+    bench.stop()
+    bench.servos.ages_s = {14: 0.2}
+    bench.run(0.1)
+    assert bench.state.feet.trajectory is None
+    bench.servos.ages_s = {}
+    bench.run(0.02)
+    assert bench.state.feet.trajectory is not None
 
 
 def test_a_controller_that_does_not_come_back_in_time_is_held(bench):

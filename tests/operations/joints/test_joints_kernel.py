@@ -258,6 +258,8 @@ def test_anybody_stops_every_joint_where_it_was_measured(bench):
     assert bench.goals["left_knee"] == pytest.approx(-0.2)
     assert bench.setpoint.halt == halts + 1
     assert not bench.setpoint.lost
+    state = joints_state(bench.state, bench.now)
+    assert (state.stopped_s, state.stopped_by, state.halted_s, state.halted_by) == (bench.now, "phone") * 2
     assert last(bench) == ("stopped", "stopped by phone: test")
 
 
@@ -507,6 +509,7 @@ def test_a_joint_of_the_motion_that_latches_a_fault_ends_it_and_needs_its_torque
     wording(*last(bench))
     assert "left_knee" not in bench.goals
     assert "right_knee" in bench.goals
+    assert "left_knee is without torque: it has latched overload" in {event.text for event in bench.events}
     bench.servos.latched = {}
     bench.run(0.1)
     assert "left_knee" not in bench.goals

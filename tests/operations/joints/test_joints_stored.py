@@ -93,6 +93,14 @@ def test_after_a_limp_one_no_joint_has_torque(bench):
     assert set(bench.goals) == {"left_knee"}
 
 
+def test_what_the_controller_plays_has_full_torque_whatever_was_asked_for_before(bench):
+    lease = bench.command({"left_knee": -0.5}, torque=0.4).lease
+    bench.run(0.05, lease)
+    assert bench.command(stored=WALK, lease=lease).accepted
+    bench.run(0.1, lease)
+    assert {goal.torque for goal in bench.setpoint.goals} == {1.0}
+
+
 def test_a_servo_that_is_heard_only_after_a_limp_one_has_no_torque_either(bench):
     bench.servos.missing = {20}
     bench.restart()

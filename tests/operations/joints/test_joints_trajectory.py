@@ -85,7 +85,8 @@ def test_a_smooth_way_does_not_stop_at_a_frame_it_passes_and_does_where_it_turns
     way = plan({"a": 0.0}, [frame(1.0, a=0.5), frame(1.0, a=1.0), frame(1.0, a=0.0)], LIMITS)
     assert speeds(way, 1.0)["a"] > 0.4
     assert speeds(way, 2.0)["a"] == 0.0
-    assert way.stretch == 1.0
+    assert speeds(way, -0.1) == speeds(way, 3.0) == {"a": 0.0}
+    assert (way.stretch, way.slowest) == (1.0, "")
 
 
 @pytest.mark.parametrize("back", [False, True])

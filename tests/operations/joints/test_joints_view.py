@@ -15,7 +15,7 @@ NAME = "left_shoulder_pitch"
 """Its servo 2 turns the other way, and is at 1.5 rad where the joint is at 0."""
 SERVO = ServoState(
     id=2,
-    position_rad=2.0,
+    position_rad=2.000001,
     speed_rps=0.25,
     load=0.0,
     goal_rad=1.5,
