@@ -14,6 +14,8 @@ OPERATORS: dict[type[ast.operator], type[ast.operator]] = {
 }  # fmt: skip
 CALLS = {"min": "max", "max": "min", "any": "all", "all": "any"}
 
+OF_STATEMENTS = {"step left out", "answer left out"}
+"""Faults in place of a whole statement; any other stands in parentheses, as it may go over several lines."""
 OF_RECORDS = {"frozen", "kw_only", "slots"}
 """Options of records: they protect programmers from mistakes, and change nothing else; so does `strict` of a zip."""
 
@@ -43,10 +45,9 @@ class Mutant:
         lines = source.encode().splitlines(keepends=True)  # ast counts columns in bytes
         head = lines[self.line - 1][: self.column]
         tail = lines[self.end_line - 1][self.end_column :]
-        gone = b"\n" * (self.end_line - self.line)
-        return b"".join(
-            [*lines[: self.line - 1], head, self.after.encode(), gone, tail, *lines[self.end_line :]]
-        ).decode()
+        after, gone = self.after.encode(), b"\n" * (self.end_line - self.line)
+        after = after + gone if self.operator in OF_STATEMENTS else b"(" + after + gone + b")"
+        return b"".join([*lines[: self.line - 1], head, after, tail, *lines[self.end_line :]]).decode()
 
 
 def mutants(root: Path, path: str) -> list[Mutant]:
