@@ -27,7 +27,7 @@ class Footprint:
         y_m -= self._radius_m
         reach_m = hypot(x_m, y_m)
         out_m = abs(x_m) - self._ahead_m, abs(y_m + self._radius_m) - self._aside_m
-        if max(out_m) < self._margin_m and hypot(max(0.0, out_m[0]), max(0.0, out_m[1])) < self._margin_m:
+        if hypot(max(0.0, out_m[0]), max(0.0, out_m[1])) < self._margin_m:
             return 0.0 if self._comes_nearer(x_m, y_m, out_m) else inf
         if not self._nearest_m < reach_m < self._farthest_m:
             return inf

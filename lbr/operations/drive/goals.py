@@ -219,8 +219,6 @@ def _reached(goal: Goal, value_m: float) -> bool:
 
 
 def _out_of_reach(goal: Goal, command: DriveCommand, settings: DriveSettings) -> Reason | None:
-    if not goal.closing:
-        return None
     parts = towards(*mix(command.power, command.angle_deg, settings))
     for rule in settings.rules:
         if rule.sensor == goal.sensor and parts[rule.direction] > 0.0 and goal.target_m < rule.stop_m:

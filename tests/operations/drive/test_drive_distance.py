@@ -6,6 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lbr.messages.drive import DriveCommand
+from lbr.operations.drive import distance_goal
+from lbr.operations.drive.odometry_view import OdometryView
+from lbr.operations.drive.settings import DriveSettings
 from tests.operations.drive.drive_body import Body
 
 STILL = (0.0, 0.0)
@@ -33,6 +37,16 @@ def go_on(body, reply, command, ticks):
             body.sense()
             body.drive(**command, lease=reply.lease)
         body.step()
+
+
+@pytest.mark.parametrize(("distance_cm", "on"), [(34.0, False), (35.0, True)])
+def test_a_base_rolls_out_over_what_it_needs_to_brake_and_may_roll_the_other_way_as_far(distance_cm, on):
+    command = DriveCommand(power=0.4, distance_cm=distance_cm)
+    settings = DriveSettings(brake_mps2=1.5, reaction_s=0.3, distance_tolerance_m=0.02)
+    at_speed = OdometryView(trouble="", distance_m=0.0, speed_mps=1.0, seen=10.0)
+    way = distance_goal.start(command, at_speed, settings)
+    assert (distance_goal.power(way, 0.4, settings, 10.0) > 0.0) is on
+    assert way.backward_m == pytest.approx(distance_goal.WRONG_M + 0.3 + 1.0 / 3.0)
 
 
 @pytest.mark.parametrize(("angle_deg", "sense"), [(0.0, 1.0), (180.0, -1.0), (-180.0, -1.0), (360.0, 1.0)])

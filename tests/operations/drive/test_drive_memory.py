@@ -3,7 +3,7 @@
 from math import atan2, cos, hypot, inf, isfinite, nan, pi, sin, tau
 
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
@@ -242,6 +242,10 @@ def test_no_reading_and_no_impossible_one_frees_or_adds_anything(watcher, readin
     assert watcher.see(left=reading).memory.spots == known
 
 
+def test_a_memory_of_half_a_second_is_one_too():
+    assert Watcher(memory_s=0.5).see(left=0.3).memory.spots
+
+
 def test_what_is_far_away_is_not_remembered(watcher):
     assert not watcher.see(forward=1.5, left=3.0).memory.spots
 
@@ -366,6 +370,8 @@ def out_m(radius_m, x_m, y_m, turned_rad):
 
 
 @given(st.floats(-0.8, 0.8), place, place)
+@example(0.0, 0.0084, 0.269)
+@example(0.0, -0.0084, -0.269)
 def test_the_closed_form_is_what_small_steps_find(radius_m, x_m, y_m):
     spot = radius_m, x_m, y_m
     assume(out_m(*spot, 0.0) > MARGIN_M + 1e-6)
@@ -386,6 +392,10 @@ def test_a_spot_within_the_margin_forbids_to_come_nearer_and_one_within_the_outl
     assume(now_m < MARGIN_M - 1e-6 and (now_m == 0.0 or abs(then_m - now_m) > 1e-9))
     nearer = now_m > 0.0 and then_m < now_m
     assert Footprint(AHEAD_M, ASIDE_M, MARGIN_M, radius_m).until_rad(x_m, y_m) == (0.0 if nearer else inf)
+
+
+def test_a_spot_on_the_very_edge_of_the_margin_is_met_now():
+    assert Footprint(0.25, 0.125, 0.125, 0.0).until_rad(0.375, -0.0625) == pytest.approx(0.0, abs=1e-6)
 
 
 # in the world

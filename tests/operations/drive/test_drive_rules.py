@@ -183,6 +183,7 @@ def test_something_that_appears_counts_at_once():
         ((0.5, -0.36), {"forward", "left", "right"}),
         ((0.515, -0.485), {"forward", "left", "right"}),
         ((0.5, -0.485), {"left", "right"}),
+        ((0.485, -0.5), {"left", "right"}),
         ((0.0, 0.0), set()),
     ],
 )

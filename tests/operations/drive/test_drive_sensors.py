@@ -420,3 +420,18 @@ def test_a_sensor_at_another_height_does_not_clear_what_the_lidar_saw():
         base.now += 0.1
         base.sense()
     assert base.state.memory.spots
+
+
+def test_a_scanner_does_not_clear_what_another_saw():
+    other = msgspec.structs.replace(LIDAR, name="other")
+    base = Base(*RING, LIDAR, other, scan=room([(0.5, 0.0)]))
+    known = base.state.memory.spots
+    base.see(room([], other))
+    assert known
+    assert base.state.memory.spots == known
+
+
+@pytest.mark.parametrize(("fields", "settings"), [({"angle_increment_rad": 1.0}, {}), ({}, {"memory_s": 0.0})])
+def test_a_scan_that_cannot_be_so_is_not_remembered_nor_is_any_without_a_memory(fields, settings):
+    message = msgspec.structs.replace(room([(0.3, 0.22)]), **fields)
+    assert Base(*RING, LIDAR, scan=message, **settings).state.memory.spots == ()

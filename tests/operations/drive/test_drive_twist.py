@@ -84,6 +84,7 @@ def test_mecanum_wheels_take_the_base_sideways():
 
 def test_power_and_angle_reach_every_motor_of_a_side():
     base = bench("skid")
+    assert base.state.settings.track_m == pytest.approx(0.3), "its wheels say how far apart they are"
     reply = base.drive(0.4)
     base.run(1.0, renew=lambda: base.drive(0.4, lease=reply.lease))
     assert motors(base) == pytest.approx(dict.fromkeys(BASES["skid"].motors, 0.4))
@@ -163,6 +164,13 @@ def test_a_motion_to_the_side_is_slowed_down_and_stopped_by_what_comes_near():
 def test_what_is_remembered_beside_the_base_limits_motion_towards_it(spot, aside, free):
     memory = obstacle_memory.ObstacleMemory(spots=(obstacle_memory.Spot(*spot, 10.0),))
     found = obstacle_memory.limit(memory, DriveSettings(), (0.0, 0.0), 10.0, (), aside)
+    assert (found.scale == 1.0) is free
+
+
+@pytest.mark.parametrize(("spot", "free"), [((0.6, -0.2), True), ((0.5, 0.4), False)])
+def test_a_motion_to_a_corner_is_limited_by_what_is_in_its_way_and_not_by_what_it_goes_past(spot, free):
+    memory = obstacle_memory.ObstacleMemory(spots=(obstacle_memory.Spot(*spot, 10.0),))
+    found = obstacle_memory.limit(memory, DriveSettings(), (0.5, 0.5), 10.0, (), 0.5)
     assert (found.scale == 1.0) is free
 
 
