@@ -1,5 +1,7 @@
 """What guards are told on their command lines, and how long they may take."""
 
+import termios
+from fcntl import ioctl
 from itertools import groupby, pairwise
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,6 +18,9 @@ from lbr.drivers.servos.register_release import RegisterRelease
 from lbr.drivers.wheels import guard as wheels
 from lbr.drivers.wheels.contract import GuardStop
 from tests.support.waiting import until
+
+TIOCGEXCL = 0x80045440
+"""Whether nobody else may open a terminal; Python's module has no name for it."""
 
 
 def begun(guard, what):
@@ -112,10 +117,12 @@ def test_after_its_drivers_death_a_guard_holds_makes_ready_fades_and_releases_ea
     assert servos.of("off") == pytest.approx([3.5 + STEP_S * again for again in range(SURE)])
 
 
-def test_where_nothing_has_torque_a_guard_has_no_more_to_do(line):
+def test_where_nothing_has_torque_a_guard_has_no_more_to_do_and_another_may_open_the_line(line):
+    ioctl(line, termios.TIOCEXCL)
     servos = Releasing(held=False)
     GuardRelease(servos, line, servos.sleep, servos.clock).act(2.0, 1.0)
     assert servos.told == [("hold", 0.0)]
+    assert ioctl(line, TIOCGEXCL, bytes(4)) == bytes(4)
 
 
 class RegisterBus:
