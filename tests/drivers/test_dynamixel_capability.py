@@ -175,8 +175,10 @@ def test_torque_comes_on_where_the_servo_is(rig, chain):
 
 @pytest.mark.parametrize(("sources", "said"), [(("joints",), "'joints' is not on the bus"), ((), "wired")])
 def test_without_a_sender_on_the_bus_no_setpoint_would_be_followed(rig, sources, said):
+    rig.ctx.wired["setpoint"] = ("joints", "others")
+    rig.ctx.gone.add("others")
     rig.on()
-    assert rig.ctx.state.armed
+    assert rig.ctx.state.armed, "one is enough"
     rig.ctx.wired["setpoint"] = sources
     rig.ctx.gone.add("joints")
     rig.until(lambda: not rig.ctx.state.armed)
@@ -477,7 +479,7 @@ def test_an_empty_bus_is_degraded_and_says_what_to_look_at(chain, start):
     chain.dead.update(chain.servos)
     rig = start()
     rig.ctx.now += 2.0
-    with pytest.raises(DeviceError, match="none of its 3 servos answers; is their power on"):
+    with pytest.raises(DeviceError, match="'servos': none of its 3 servos answers; is their power on"):
         rig.until(lambda: False)
     assert not rig.driver.answers()
     assert rig.ctx.health == []
@@ -493,6 +495,9 @@ def test_a_line_that_babbles_or_echoes_is_told_of_and_the_servos_are_read_all_th
     assert [servo.raw for servo in rig.ctx.state.servos] == [513, 514, 515]
     rig.ctx.now += 6.0
     rig.until(lambda: "babble" in rig.ctx.kinds())
+    for _ in range(10):
+        rig.step()
+    assert rig.ctx.kinds().count("babble") == 1
     chain.answer = lambda _request, _usual: None
     rig.until(lambda: "echo" in rig.ctx.kinds())
     for _ in range(10):

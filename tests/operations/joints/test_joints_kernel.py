@@ -111,6 +111,10 @@ def test_a_command_that_makes_no_sense_is_refused_with_a_sentence(bench, command
     assert bench.state.move is None
 
 
+def test_what_is_wrong_in_several_frames_is_said_once(bench):
+    assert bench.command(frames=(frame(left_kne=0.0),) * 2).reason.count("'left_kne'") == 1
+
+
 def test_joints_without_torque_are_refused_by_name(wording):
     bench = Bench().run(0.05)
     bench.torque("right_knee", on=True)
