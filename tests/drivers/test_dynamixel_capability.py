@@ -271,6 +271,15 @@ def test_a_servo_that_does_not_answer_keeps_the_stop_unacknowledged(rig, chain):
     assert rig.ctx.estop.acknowledged[-1][0] is False
 
 
+def test_servos_that_have_not_confirmed_an_emergency_stop_are_read_next(monkeypatch):
+    rig = Rig(monkeypatch, ServoChain(18))
+    rig.on()
+    stopped_s, rig.ctx.estop.engaged = rig.ctx.now, True
+    rig.until(lambda: rig.ctx.estop.acknowledged[-1:] == [(True, "")])
+    assert rig.ctx.now - stopped_s < 4.5 * STEP_S
+    rig.close()
+
+
 def test_a_stop_is_not_acknowledged_while_servos_are_still_looked_for(chain, start):
     chain.dead.add(2)
     rig = start()
