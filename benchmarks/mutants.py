@@ -68,21 +68,11 @@ PARTS = {
         ),
         stops=True,
     ),
-    "drive": Part(
-        ("lbr/operations/drive/*.py",),
-        ("tests/operations/drive", "tests/models", "tests/docs/test_pages.py"),
-        stops=True,
-    ),
+    "drive": Part(("lbr/operations/drive/*.py",), ("tests/operations/drive", "tests/models"), stops=True),
     "joints": Part(("lbr/operations/joints/*.py",), ("tests/operations/joints", "tests/models"), stops=True),
     "wheels": Part(
         ("lbr/drivers/wheels/*.py", "lbr/drivers/setpoint_gate.py"),
-        (
-            "tests/drivers/test_wheels*.py",
-            "tests/drivers/test_setpoint_gate.py",
-            "tests/testing",
-            "tests/drivers/test_roboteq*.py",
-            "tests/docs/test_pages.py",
-        ),
+        ("tests/drivers/test_wheels*.py", "tests/drivers/test_setpoint_gate.py", "tests/testing", "tests/drivers/test_roboteq*.py"),
         stops=True,
     ),
     "servos": Part(

@@ -122,7 +122,7 @@ def test_its_kind_is_as_kinds_must_be():
 def test_a_row_that_says_nothing_of_safety_has_all_of_its_layers():
     row = KIND.parse('{"device": "motors"}')
     assert (row.enabled, row.guard, row.guard_silence_ms, row.watchdog_ms) == (True, True, 120, 200)
-    assert (row.setpoint_valid_s, row.acknowledge_s) == (0.1, 0.5)
+    assert (row.setpoint_valid_s, row.acknowledge_s, row.still_counts) == (0.1, 0.5, 2)
 
 
 def test_only_a_zero_arms_and_silence_stops(motors, ctx, peer):

@@ -1,7 +1,11 @@
 """The process around the kernel: what it publishes when, whom it asks, and what it does when things end."""
 
+import re
+from pathlib import Path
+
 import msgspec
 import pytest
+from msgspec import structs
 from msgspec.structs import replace
 
 from lbr.bus import keys
@@ -12,6 +16,7 @@ from lbr.messages.drive import CheckVerdict, DriveCommand
 from lbr.messages.odometry import OdometryState
 from lbr.operations.drive import KIND
 from lbr.operations.drive.capability import Drive
+from lbr.operations.drive.settings import DEFAULT_RULES, Rule
 from lbr.operations.lender import MOST_WAITING, mark
 from tests.operations.drive.drive_bench import motors, ranges
 from tests.operations.drive.drive_context import DriveContext
@@ -60,6 +65,17 @@ def test_the_kind_names_the_class_that_runs():
     assert KIND.load() is Drive
     assert KIND.moves
     assert KIND.parse("{}") == DriveContext().settings
+
+
+def test_a_row_that_says_nothing_holds_what_the_reference_says():
+    page = Path(__file__).parents[3] / "docs" / "reference" / "settings.md"
+    section = page.read_text().partition("## Kind `drive`")[2].partition("\n## ")[0]
+    told = dict(re.findall(r"^\|`(\w+)`\|`([^`]*)`\|", section, re.MULTILINE))
+    row = structs.asdict(Rule(direction="forward", sensor="forward")) | structs.asdict(KIND.parse("{}"))
+    assert {name: msgspec.json.decode(text) for name, text in told.items()} == {name: row[name] for name in told}
+    assert row.keys() - told.keys() == {"direction", "sensor", "rules"}
+    sides = [(rule.direction, rule.stop_m, rule.frozen_after_m) for rule in DEFAULT_RULES]
+    assert sides == [("forward", 0.25, 0.1), ("back", 0.25, 0.1), ("left", 0.2, 0.3), ("right", 0.2, 0.3)]
 
 
 @pytest.mark.parametrize(
