@@ -103,7 +103,7 @@ class Releasing:
 
 def test_after_its_drivers_death_a_guard_holds_makes_ready_fades_and_releases_each_in_its_time(line):
     servos = Releasing()
-    GuardRelease(servos, line, servos.sleep, servos.clock).act(2.0, 1.0)
+    GuardRelease(servos, line, servos.sleep, servos.clock).act(2.0, 2.0)
     names = [name for name, _ in groupby(servos.told, key=lambda one: one[0])]
     assert names == ["hold", "keep", "prepare", "keep", "fade", "off"]
     keeps = servos.of("keep")
@@ -114,7 +114,7 @@ def test_after_its_drivers_death_a_guard_holds_makes_ready_fades_and_releases_ea
     assert strengths[0] == 1.0
     assert strengths == sorted(strengths, reverse=True)
     assert 0.0 < strengths[-1] <= 0.051
-    assert servos.of("off") == pytest.approx([3.5 + STEP_S * again for again in range(SURE)])
+    assert servos.of("off") == pytest.approx([4.5 + STEP_S * again for again in range(SURE)])
 
 
 def test_where_nothing_has_torque_a_guard_has_no_more_to_do_and_another_may_open_the_line(line):
