@@ -77,6 +77,15 @@ class Door:
         """Run `lbr` with somebody's token."""
         return self.lbr(*arguments, token=str(self.tokens[name]), stdin=stdin)
 
+    def drive(self, name: str, *arguments: str, stdin: str = "") -> "subprocess.CompletedProcess[str]":
+        """Run `lbr` until its command arrives in time: one that a busy machine held up is to be sent again."""
+
+        def in_time() -> "subprocess.CompletedProcess[str] | None":
+            done = self.by(name, *arguments, stdin=stdin)
+            return done if done.returncode == 0 else None
+
+        return until(in_time, what="a command that is not late")
+
     @contextmanager
     def plain(self, name: str, manner: str) -> Iterator["subprocess.Popen[str]"]:
         """Run the client with nothing but Zenoh, on another machine."""
