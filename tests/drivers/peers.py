@@ -27,9 +27,10 @@ class Pty:
         self.plug()
 
     def plug(self) -> None:
-        self.master, self.keeper = pty.openpty()
-        tty.setraw(self.keeper)
-        os.set_blocking(self.master, False)
+        master, keeper = pty.openpty()
+        tty.setraw(keeper)
+        os.set_blocking(master, False)  # before a thread sees it: it must not wait there
+        self.master, self.keeper = master, keeper
         self.path.unlink(missing_ok=True)
         self.path.symlink_to(os.ttyname(self.keeper))
 

@@ -310,8 +310,8 @@ def test_a_killed_or_frozen_client_leaves_nothing_moving(url, robot, end):
     try:
         until(lambda: moves(robot), what="driving")
         os.kill(program.pid, end)
-        until(lambda: not moves(robot), limit_s=STOPS_S, what="standing still")
-        assert drive(robot)["left"] == drive(robot)["right"] == 0.0
+        still = until(lambda: drive(robot)["holder"] is None and drive(robot), limit_s=STOPS_S, what="nobody drives")
+        assert still["left"] == still["right"] == 0.0
     finally:
         program.kill()
         program.wait()
