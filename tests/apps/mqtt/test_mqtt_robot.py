@@ -252,8 +252,8 @@ def test_when_the_sender_is_killed_the_robot_stops_by_its_lease_and_is_told_to_b
     since = len(person.heard)
     begin_motion(robot, person)
     os.kill(robot.capability("mqtt")["pid"], signal.SIGKILL)
-    until(lambda: not drive(robot)["moving"], what="its stop", limit_s=STOPS_S)
-    assert drive(robot)["holder"] is None
+    until(lambda: drive(robot)["holder"] is None, what="its stop", limit_s=STOPS_S)
+    assert not drive(robot)["moving"]
     until(lambda: b"offline" in person.on(f"{TOPIC}/available", since), what="the will")
     until(lambda: person.on(f"{TOPIC}/available", since)[-1] == b"online", what="it again")
     assert not drive(robot)["moving"]
@@ -267,8 +267,8 @@ def test_a_broker_that_stands_still_stops_what_it_asked_for_and_what_it_held_bac
     try:
         person.client.publish(f"{TOPIC}/ask/slowly", "PRESS", qos=1)
         until(lambda: "it stands still" in robot.capability("mqtt")["reason"], what="the sign of it, 3 s after a word")
-        until(lambda: not drive(robot)["moving"], what="its stop", limit_s=STOPS_S)
-        assert drive(robot)["holder"] is None
+        until(lambda: drive(robot)["holder"] is None, what="its stop", limit_s=STOPS_S)
+        assert not drive(robot)["moving"]
     finally:
         broker.thaw()
     told = until(lambda: [one for one in answers(person, since) if one["state"] == "refused"], what="the refusal")[-1]
