@@ -27,12 +27,27 @@ def robot(base: Robot) -> Iterator[Robot]:
     base.line("stop")
     done = here(base.home, "db", "rollback", str(before))
     assert done.returncode == 0, done.stderr
-    until(lambda: as_ever(base), what="the robot is as it was before the module")
+    try:
+        until(lambda: not restarted(base) and not leftovers(base))
+    except AssertionError as err:
+        raise AssertionError(f"the module left the robot with {leftovers(base)}") from err
     for file in (base.home / "capabilities").iterdir():
         file.unlink()
 
 
-def as_ever(robot: Robot) -> bool:
+def leftovers(robot: Robot) -> list[str]:
+    """Return what is not yet as it was: problems, capabilities that are not ready, rows that are not read."""
     status = robot.status()
-    ready = not status["problems"] and all(one["phase"] == "ready" for one in status["capabilities"])
-    return ready and status["revision"] == databases.newest(robot.home)
+    late = [
+        f"{one['name']}: {one['phase']}, {one['reason']}" for one in status["capabilities"] if one["phase"] != "ready"
+    ]
+    rows = [] if status["revision"] == databases.newest(robot.home) else ["the newest rows"]
+    return [*map(str, status["problems"]), *late, *rows]
+
+
+def restarted(robot: Robot) -> list[str]:
+    """Restart what was given up, as an operator does: modules that follow each other may have killed it too often."""
+    given_up = [one["name"] for one in robot.status()["capabilities"] if one["phase"] == "failed"]
+    for name in given_up:
+        robot.line(f"/restart/{name}")
+    return given_up
