@@ -69,9 +69,8 @@ def client_frozen(under_test: Bench) -> None:
 def everything_frozen(under_test: Bench) -> None:
     """S11: everything but the emulated hardware; only the controller's own watchdog is left."""
     world = under_test.pid("world")
+    frozen = [process for process in processes_of(under_test.robot.home) if process.pid != world]
     with _insisting(under_test):
-        frozen = [process for process in processes_of(under_test.robot.home) if process.pid != world]
-        under_test.wait_for_motion()
         fault_ns = time.monotonic_ns()
         _signal(frozen, signal.SIGSTOP)
         zero = under_test.stopped_after("S11", fault_ns)
