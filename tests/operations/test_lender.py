@@ -1,4 +1,4 @@
-"""The process around any kernel that lends: which events it makes of what it hears, each once."""
+"""The process around any kernel that lends: which events it makes of what it receives, each once."""
 
 import pytest
 from msgspec import Struct
@@ -69,7 +69,7 @@ def test_each_state_of_its_driver_is_one_event_and_so_is_its_loss():
     assert lender.after(lambda: lender.ctx.gone.add("motors")) == ["motors lost"]
 
 
-def test_without_a_driver_it_hears_of_none():
+def test_without_a_driver_it_receives_nothing_of_one():
     assert Lender(driver="").after(lambda: None) == []
 
 

@@ -28,7 +28,7 @@ def robot(base: Robot) -> Iterator[Robot]:
     done = here(base.home, "db", "rollback", str(before))
     assert done.returncode == 0, done.stderr
     try:
-        until(lambda: not restarted(base) and not leftovers(base))
+        until(lambda: not leftovers(base))
     except AssertionError as err:
         raise AssertionError(f"the module left the robot with {leftovers(base)}") from err
     for file in (base.home / "capabilities").iterdir():
@@ -43,11 +43,3 @@ def leftovers(robot: Robot) -> list[str]:
     ]
     rows = [] if status["revision"] == databases.newest(robot.home) else ["the newest rows"]
     return [*map(str, status["problems"]), *late, *rows]
-
-
-def restarted(robot: Robot) -> list[str]:
-    """Restart what was given up, as an operator does: modules that follow each other may have killed it too often."""
-    given_up = [one["name"] for one in robot.status()["capabilities"] if one["phase"] == "failed"]
-    for name in given_up:
-        robot.line(f"/restart/{name}")
-    return given_up
