@@ -171,7 +171,7 @@ def test_guessing_is_counted_told_and_slowed_down_and_the_right_token_gets_in_af
 
 
 def test_the_audit_trail_names_the_token_of_who_said_a_line(own_door: Door):
-    own_door.drive("phone", "send", "/r/0.1/90", "--hold", "0.1")
+    own_door.drive("phone", "/r/0.1/90", hold_s=0.1)
     with own_door.client("phone") as bus:
         sealed = stamp.make("a program", 0, b"/s/hello", b"not the secret", token="boss")
         query = bus.get(keys.console("lbr", "operate"), payload=b"/r/0/0", attachment=sealed, timeout=HANG_S)

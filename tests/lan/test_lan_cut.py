@@ -35,8 +35,7 @@ def stands_for(door: Door, seconds: float) -> None:
 
 
 def test_our_tools_reach_the_robot_from_another_machine(far_door: Door):
-    done = far_door.drive("phone", "send", "/r/0.1/90", "--hold", "0.5")
-    assert done.stdout.splitlines()[0] == "accepted"
+    assert far_door.drive("phone", "/r/0.1/90", hold_s=0.5)["text"] == "accepted"
     far_door.rest()
 
 

@@ -44,9 +44,8 @@ def here(door: Door, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixt
 
 
 def test_an_operator_drives_and_a_console_stops_when_its_input_ends(door: Door):
-    done = door.drive("phone", "send", "/r/0.1/90", "--hold", "0.4")
-    assert done.stdout.splitlines()[0] == "accepted"
-    door.drive("phone", "console", stdin="/r/0.1/90\n")
+    assert door.drive("phone", "/r/0.1/90", hold_s=0.4)["text"] == "accepted"
+    until(lambda: door.by("phone", "console", stdin="/r/0.1/90\n").returncode == 0, what="a line that is not late")
     door.rest()
 
 

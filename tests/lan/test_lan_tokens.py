@@ -160,7 +160,7 @@ def test_comings_and_goings_are_told_and_go_into_the_trail(door: Door):
 @needs.LOOKING_INSIDE
 def test_a_secret_is_in_no_file_and_no_process_of_the_robot(own_door: Door):
     secret = own_door.tokens["phone"].secret.encode()
-    own_door.drive("phone", "send", "/r/0.1/90", "--hold", "0.2")
+    own_door.drive("phone", "/r/0.1/90", hold_s=0.2)
     own_door.robot.edit("UPDATE user_token SET revoked_at = '2026-01-02T00:00:00Z' WHERE name = 'phone'")
     until(lambda: refused(own_door, "phone"), what="it is revoked")
     own_door.ready()
