@@ -199,6 +199,7 @@ def test_a_killed_driver_ends_the_motion_and_its_next_life_moves_nothing(robot, 
 def test_killed_joints_end_the_motion_and_what_starts_again_does_not_go_on(robot, player):
     os.kill(robot.capability("joints")["pid"], signal.SIGKILL)
     until(lambda: "joints operation" in newest_result(robot))
+    until(lambda: phase(robot) == "holding")
     until(lambda: robot.capability("joints")["phase"] == "ready")
     assert stays(robot)
     assert phase(robot) == "holding"
