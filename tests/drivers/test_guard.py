@@ -218,16 +218,31 @@ def test_a_guard_of_servos_holds_as_long_as_its_row_says_and_at_least_as_long_as
     assert "keep" in released(line, "m", hold_s=hold_s, least_hold_s=least_hold_s)
 
 
-def released(line, said, *more, hold_s=2 * STEP_S, least_hold_s=0.0):
-    """What servos are told by their guard after a driver that said this last."""
+def test_a_driver_of_servos_that_hangs_while_one_moves_is_killed_after_its_last_words(line):
+    words, fd = os.pipe()
+    with programs.start(["sleep", "600"]) as driver:
+        told = released(line, "m", hangs=driver.pid, last=(fd, b"it hangs"))
+    os.close(fd)
+    with os.fdopen(words, "rb") as said:
+        assert said.read() == b"it hangs"
+    assert driver.returncode == -signal.SIGKILL
+    assert "off" in told
+
+
+def released(line, said, *more, hold_s=2 * STEP_S, least_hold_s=0.0, hangs=None, last=(-1, b"")):
+    """What servos are told by their guard after a driver that said this last, and then is gone, or hangs."""
     pipe, alive = os.pipe()
-    driver = os.pidfd_open(os.getpid())
-    numbers = (line, pipe, driver, 60_000, -1, "-", hold_s, STEP_S, "1,2", *more)
+    driver = os.pidfd_open(hangs or os.getpid())
+    silence_ms = 50 if hangs else 60_000
+    numbers = (line, pipe, driver, silence_ms, last[0], last[1].hex() or "-", hold_s, STEP_S, "1,2", *more)
     argv = [sys.executable, "-c", RELEASING.format(least_hold_s=least_hold_s), *map(str, numbers)]
-    guard = programs.start(argv, pass_fds=(line, pipe, driver), stdout=subprocess.PIPE, text=True)
+    fds = {line, pipe, driver, last[0]} - {-1}
+    guard = programs.start(argv, pass_fds=fds, stdout=subprocess.PIPE, text=True)
     os.write(alive, said.encode())
-    for fd in (pipe, alive, driver):
+    for fd in (pipe, driver) if hangs else (pipe, driver, alive):
         os.close(fd)
     told, _ = guard.communicate()
+    if hangs:
+        os.close(alive)
     assert guard.returncode == 0
     return told.splitlines()

@@ -180,6 +180,28 @@ def test_a_servo_that_gets_no_torque_is_asked_again_five_times_a_second():
     assert len(asked) == 5
 
 
+def test_a_servo_whose_bus_failed_as_it_was_to_get_torque_is_asked_again():
+    bench = Bench()
+    while not bench.line.jobs:
+        bench.step(works=False)
+    for _, _, future in bench.line.jobs:
+        future.set_exception(OSError("gone"))
+    bench.line.jobs.clear()
+    bench.on()
+
+
+def test_a_servo_that_has_latched_a_fault_says_which_and_stays_without_torque_though_the_fault_passes(monkeypatch):
+    bench = Bench()
+    bench.on()
+    monkeypatch.setattr(MODEL, "latched", lambda _servo, _seen: ("overload",))
+    bench.step()
+    monkeypatch.undo()
+    for _ in range(100):
+        bench.step()
+    assert (bench.told, bench.bus.torque, bench.targets.servos[1].on) == (["servo_latched"], False, False)
+    assert "overload" in bench.targets.servos[1].blocked
+
+
 @pytest.mark.parametrize(("torque", "limit"), [(0.3, 300), (0.0001, 1)])
 def test_a_goal_that_asks_for_less_torque_gets_it_at_once(torque, limit):
     bench = Bench()

@@ -217,7 +217,8 @@ class Poller(Generic[B]):
             if servo.silent:
                 self._see(servo, reason=trouble)
             return
-        if servo.silent or (motion.error if error is None else error) != servo.seen.error:
+        error = motion.error if error is None else error
+        if servo.silent or error != servo.seen.error:
             self._rest.stir()
         self._rest.look(servo.id, motion.position_rad, motion.load_fraction)
         if servo.silent and servo.seen.at > -inf:
@@ -225,7 +226,6 @@ class Poller(Generic[B]):
         servo.misses, servo.pause_s = 0, AGAIN_FIRST_S
         self.heard_at = now
         self._states += 1
-        error = motion.error if error is None else error
         if slow is None and error != servo.seen.error:
             self.look((servo.id,))
         servo.seen = Seen(motion, now, slow or servo.seen.slow, error)

@@ -116,6 +116,16 @@ def test_a_sender_that_dies_on_the_approach_stops_the_base():
     assert base.wheels == STILL
 
 
+def test_without_an_odometry_the_speed_of_the_base_is_that_of_its_setpoint():
+    base = Walled(1.6, max_speed_mps=0.5)
+    base.odometry_speaks = False
+    base.count(valid=False)
+    assert base.drive(0.3).accepted
+    base.step()
+    assert base.state.left == base.state.right > 0.0
+    assert base.state.ahead_mps(base.now) == pytest.approx(base.state.left * 0.5)
+
+
 # A reading at a time.
 
 HALTING = RangeGoal(whole_m=0.03, marks=((10.0, 0.0),), halts=True)
@@ -128,6 +138,12 @@ def rests(way, left_m, readings, *, stands=True):
         way = read(way, left_m, at_s, 0.0, stands=stands)
         way = driven(way, UNKNOWN, 0.0, 0.1, at_s, DriveSettings())
     return way
+
+
+@pytest.mark.parametrize(("left_m", "halts"), [(0.269, True), (0.271, False), (float("nan"), True)])
+def test_it_halts_by_the_way_of_two_ticks_and_of_its_braking(left_m, halts):
+    way = RangeGoal(whole_m=left_m, marks=((10.0, 0.0),))
+    assert driven(way, UNKNOWN, 0.5, 0.0, 10.0, DriveSettings(brake_mps2=0.5, rate_hz=50.0)).halts is halts
 
 
 @pytest.mark.parametrize(

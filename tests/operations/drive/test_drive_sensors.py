@@ -405,6 +405,20 @@ def test_a_scan_is_remembered_for_arcs_until_it_looks_past():
     assert base.state.memory.spots == ()
 
 
+@pytest.mark.parametrize("place", [{"x_m": 0.1}, {"y_m": 0.08}, {"y_m": -0.08}])
+def test_a_spot_is_forgotten_by_the_ray_that_goes_past_it_from_wherever_the_scanner_is(place):
+    row = msgspec.structs.replace(LIDAR, **place)
+    base = Base(*RING, row, scan=room([(0.3, 0.22)], row))
+    spot_rad = atan2(0.22 - row.y_m, 0.3 - row.x_m)
+    towards = [abs(around(angle + row.yaw_rad - spot_rad)) < 0.02 for angle in row.angles()]
+    base.scan = scan(row, ranges_m=readings([nan if each else 10.0 for each in towards]))
+    base.sense()
+    assert base.state.memory.spots
+    base.scan = scan(row, ranges_m=readings([10.0 if each else nan for each in towards]))
+    base.sense()
+    assert base.state.memory.spots == ()
+
+
 def test_of_a_scan_what_stands_in_each_direction_is_remembered():
     places = [(0.3, 0.22), (-0.3, 0.22), (0.6, -0.22)]
     base = Base(*RING, LIDAR, scan=room(places))

@@ -81,6 +81,17 @@ def test_the_power_of_late_turns_the_base_after_its_lag():
     assert (half.tries, half.given) == (1, 0.4)
 
 
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+@pytest.mark.parametrize(("rate_dps", "flow_dps"), [(-10.0, 0.0), (0.0, -10.0), (-10.0, 10.0), (10.0, -10.0)])
+def test_a_base_that_turns_away_or_soon_will_comes_to_rest_before_it_turns_back(sense, rate_dps, flow_dps):
+    settings = DriveSettings()
+    heading = heading_view.HeadingView(trouble="", epoch="e", turned_deg=0.0, rate_dps=sense * rate_dps, seen=10.0)
+    turn = replace(start(TurnCommand(angle_deg=sense * 90.0), heading, settings, 10.0), flow_dps=sense * flow_dps)
+    assert power(turn, settings, 10.0) == 0.0
+    quiet = replace(turn, heading=replace(heading, rate_dps=0.0), flow_dps=0.0)
+    assert sense * power(quiet, settings, 10.0) > 0.0
+
+
 @pytest.mark.parametrize(
     ("counts", "times"),
     [
