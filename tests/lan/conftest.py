@@ -8,12 +8,15 @@ import pytest
 
 from tests.support import netns
 from tests.support.door import Door, opened
-from tests.support.robot import prepare
+from tests.support.robot import PATIENT, prepare
 
 
 @pytest.fixture(scope="package")
 def door() -> Iterator[Door]:
-    with tempfile.TemporaryDirectory(prefix="lbr-") as place, opened(prepare(Path(place) / "h")) as found:
+    with (
+        tempfile.TemporaryDirectory(prefix="lbr-") as place,
+        opened(prepare(Path(place) / "h", edits=PATIENT)) as found,
+    ):
         yield found
 
 

@@ -1,7 +1,6 @@
 """What each role can do at the door with nothing but Zenoh, and what nobody can."""
 
 import json
-import time
 from functools import partial
 
 import pytest
@@ -9,16 +8,14 @@ import zenoh
 
 from lbr.bus import access, keys, session, wire
 from lbr.errors import BusError
-from tests.support.door import Door, answer
+from tests.support.door import COMMAND, TURN, Door, answer, told
 from tests.support.waiting import STOPS_S, until
-
-TURN = {"power": 0.1, "angle_deg": 90}
 
 
 def settle(door: Door) -> None:
     """Whatever was sent before has been decided once this is answered."""
     with door.client("phone") as bus:
-        assert answer(bus, "lbr/drive/stop", {}) is not None
+        told(bus, "lbr/drive/stop", {})
 
 
 @pytest.fixture(autouse=True)
@@ -31,13 +28,9 @@ def at_rest(door: Door):
 
 def test_a_motion_from_afar_begins_when_its_lease_is_quoted_and_lapses(door: Door):
     with door.client("phone") as bus:
-        offered = answer(bus, "lbr/drive/command", TURN)
-        assert offered["accepted"]
+        until(lambda: (answer(bus, COMMAND, TURN) or {"accepted": False})["accepted"], what="an offer")
         assert not door.moving()
-        for _ in range(6):
-            wire.put(bus, "lbr/drive/command", {**TURN, "lease": offered["lease"]}, source="afar")
-            time.sleep(0.05)
-        until(door.moving, what="it moves")
+        door.turn(bus)
         until(lambda: not door.moving(), limit_s=STOPS_S, what="it lapsed")
 
 
@@ -74,22 +67,20 @@ def test_who_looks_hears_what_the_robot_says_and_declares_nothing_else_to_it(doo
 
 
 def test_a_viewer_can_stop_who_drives(door: Door):
-    lease = door.robot.ask("drive/command", TURN)["lease"]
-    door.robot.put("drive/command", {**TURN, "lease": lease})
-    until(door.moving, what="somebody here drives")
     with door.client("eye") as bus:
-        assert answer(bus, "lbr/drive/stop", {})["accepted"]
+        door.turn(door.robot.bus, "here")
+        assert told(bus, "lbr/drive/stop", {})["accepted"]
     until(lambda: not door.moving(), limit_s=STOPS_S, what="it stopped")
 
 
 def test_a_viewer_can_press_the_emergency_stop_and_not_reset_it(door: Door):
     with door.client("eye") as bus:
-        bus.put("lbr/@estop", json.dumps({"engaged": True, "reason": "a ladder"}))
-        until(lambda: door.robot.status()["estop"]["engaged"], limit_s=STOPS_S, what="it latched")
+        pressed = json.dumps({"engaged": True, "reason": "a ladder"})
+        until(lambda: bus.put("lbr/@estop", pressed) or door.robot.status()["estop"]["engaged"], what="it latched")
         assert answer(bus, "lbr/@estop/reset", {}) is None
     assert door.robot.status()["estop"]["engaged"]
     with door.client("phone") as bus:
-        assert answer(bus, "lbr/@estop/reset", {}, timeout_s=3.0)["accepted"]
+        until(lambda: told(bus, "lbr/@estop/reset", {})["accepted"], what="acknowledged and released")
 
 
 def test_the_status_knows_of_a_stop_and_of_its_reset_once_they_are_answered(door: Door):
@@ -104,9 +95,9 @@ def test_only_an_administrator_has_what_changes_the_machine(door: Door):
     message = {"path": str(door.away / "map.png")}
     for name, allowed in (("eye", False), ("phone", False), ("boss", True)):
         with door.client(name) as bus:
-            found = answer(bus, "lbr/world/picture", message, timeout_s=3.0)
-            assert (found is not None) == allowed
-            assert (answer(bus, "lbr/@console/admin", None) is not None) == allowed
+            for key, asked in (("lbr/world/picture", message), ("lbr/@console/admin", None)):
+                found = told(bus, key, asked) if allowed else answer(bus, key, asked)
+                assert (found is not None) == allowed
 
 
 @pytest.mark.parametrize("name", ["eye", "phone", "boss"])
@@ -139,8 +130,8 @@ def test_nobody_can_pretend_to_be_a_capability(door: Door, name):
         assert door.robot.line("s")["code"] == 0
         assert door.robot.status()["robot"] == "lbr"
         with door.client("eye") as other:
-            assert answer(other, "lbr/drive/stop", {})["accepted"]
-            assert answer(other, "lbr/@status")["robot"] == "lbr"
+            assert told(other, "lbr/drive/stop", {})["accepted"]
+            assert told(other, "lbr/@status")["robot"] == "lbr"
         token.undeclare()
     assert "ghost" not in came.names
     assert not asked
@@ -161,9 +152,8 @@ def test_what_one_token_commands_no_other_hears(door: Door, name):
     with door.client("phone") as bus, door.client(name) as other:
         feeds = [wire.Subscription(other, f"lbr/{key}", depth=512) for key in ("**", "drive/command", "*/command")]
         open_to_all = [wire.Subscription(other, f"lbr/{key}", depth=512) for key in ("drive/state", "motors/setpoint")]
-        lease = answer(bus, "lbr/drive/command", TURN)["lease"]
-        wire.put(bus, "lbr/drive/command", {**TURN, "lease": lease}, source="afar")
-        until(door.moving, what="it moves")
+        lease = door.turn(bus)
+        wire.put(bus, COMMAND, {**TURN, "lease": lease}, source="afar")
         for feed in open_to_all:
             until(feed.take, what="what may be heard is heard")
         settle(door)
@@ -212,27 +202,32 @@ def test_without_the_right_password_nobody_is_let_in(door: Door):
 
 def test_what_is_too_large_or_too_much_is_refused_aloud_and_delays_no_stop(door: Door):
     with door.client("phone") as bus, door.client("eye") as other:
-        large = answer(bus, "lbr/drive/command", {**TURN, "lease": "x" * 60_000})
-        assert not large["accepted"]
-        assert answer(bus, "lbr/drive/command", {**TURN, "lease": "x" * 100_000}, timeout_s=0.3) is None
-        asked = [
-            wire.PendingQuery(bus, "lbr/drive/command", b'{"power": 0}', timeout_s=2.0, source="flood")
-            for _ in range(300)
-        ]
-        assert answer(other, "lbr/drive/stop", {})["accepted"]
-        until(lambda: all(question.replies for question in asked), what="each is answered")
-        answers = [json.loads(question.replies[0].payload) for question in asked]
+        assert not told(bus, COMMAND, {**TURN, "lease": "x" * 60_000})["accepted"]
+        assert answer(bus, COMMAND, {**TURN, "lease": "x" * 100_000}, timeout_s=0.3) is None
+
+        def flooded():
+            """A link that a busy machine loses takes its answers along."""
+            asked = [
+                wire.PendingQuery(bus, COMMAND, b'{"power": 0}', timeout_s=2.0, source="flood") for _ in range(300)
+            ]
+            assert told(other, "lbr/drive/stop", {})["accepted"]
+            until(lambda: all(question.done for question in asked))
+            return asked if all(question.replies for question in asked) else None
+
+        answers = [json.loads(question.replies[0].payload) for question in until(flooded, what="each is answered")]
     assert any("from other machines" in one.get("reason", "") for one in answers)
 
 
 def test_a_name_from_afar_is_never_that_of_somebody_here(door: Door):
     with door.client("phone") as bus:
-        lease = door.robot.ask("drive/command", TURN, source="console")["lease"]
-        door.robot.put("drive/command", {**TURN, "lease": lease}, source="console")
-        found = bus.get("lbr/@console", payload="/r/0.3/0", timeout=2.0, attachment=stamp("console"))
-        result = json.loads(next(iter(found)).ok.payload.to_bytes())
-    assert result["code"] == 1
-    assert "held by console" in result["text"]
+
+        def refused():
+            door.turn(door.robot.bus, "console")
+            found = bus.get("lbr/@console", payload="/r/0.3/0", timeout=2.0, attachment=stamp("console"))
+            results = [json.loads(reply.ok.payload.to_bytes()) for reply in found]
+            return any(result["code"] == 1 and "held by console" in result["text"] for result in results)
+
+        until(refused, what="it is held by the console")
 
 
 def stamp(source: str) -> str:

@@ -10,7 +10,19 @@ from tests.support.figures import Promise, Result, Results
 from tests.support.waiting import HANG_S, STOPS_S
 
 PROGRAMS = (
-    *("S13 gone", "S13 ready", "P1 motors", "P1 drive", "P3 ready", "P5 gone", "P5 ready", "P6", "P7", "P8 edit"),
+    *(
+        "S6 gone",
+        "S13 gone",
+        "S13 ready",
+        "P1 motors",
+        "P1 drive",
+        "P3 ready",
+        "P5 gone",
+        "P5 ready",
+        "P6",
+        "P7",
+        "P8 edit",
+    ),
     *("F7 second run", "S18 interval", "P4 gone", "P4 gone, one frozen"),
 )
 """Times that programs need to start or to end."""

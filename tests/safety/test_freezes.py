@@ -15,7 +15,7 @@ from tests.support.figures import Results
 def test_the_motors_stand_and_nothing_moves_when_it_is_over(held: Callable[[Callable[[Bench], None]], Results], way):
     if way is freezes.links_broken and os.geteuid() != 0:
         pytest.skip("only root may shut another process's sockets down")
-    assert held(way).by_figure
+    assert held(lambda under_test: under_test.once_it_moves(way)).by_figure
 
 
 def test_a_driver_that_its_guard_ended_says_so_everywhere_in_the_same_words():

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -9,6 +10,7 @@ from lbr.bus import session, stamp
 from tests.scenarios import bounds, estop, writers
 from tests.support.bench import Bench
 from tests.support.figures import Results
+from tests.support.waiting import HANG_S, until
 
 Held = Callable[[Callable[[Bench], None]], Results]
 
@@ -44,13 +46,9 @@ def test_recorded_commands_move_nothing_on_the_same_connection_and_on_another(he
 
 def recorded_commands(under_test: Bench) -> None:
     """Drive, stop, and say again byte for byte what made it drive."""
-    said = [(b'{"power": 0.4, "take_over": true}', stamp.make("recorded", 0))]
-    answer = _say(under_test.robot.bus, under_test, *said[0])
-    assert answer["accepted"], answer
-    said.append((b'{"power": 0.4, "lease": "%s"}' % answer["lease"].encode(), stamp.make("recorded", 0)))
-    assert _say(under_test.robot.bus, under_test, *said[1])["accepted"]
-    under_test.robot.ask("drive/stop", {})
-    under_test.pass_time(0.1)
+    said = until(lambda: _drove(under_test))
+    under_test.answer("drive/stop", {})
+    under_test.until(lambda: under_test.trace.now().zero, HANG_S, "rest")
     zero = under_test.trace.now()
     another = session.open_client(under_test.robot.endpoints)
     try:
@@ -62,6 +60,17 @@ def recorded_commands(under_test: Bench) -> None:
     under_test.stays_at_rest(zero)
 
 
-def _say(bus: session.Session, under_test: Bench, payload: bytes, attachment: bytes) -> dict[str, object]:
-    replies = bus.get(f"{under_test.robot.name}/drive/command", payload=payload, attachment=attachment, timeout=2.0)
+def _drove(under_test: Bench) -> list[tuple[bytes, bytes]]:
+    """Drive until the motors turn, and return what was said; nothing where a busy machine held it up."""
+    said = [(b'{"power": 0.4, "take_over": true}', stamp.make("recorded", 0))]
+    answer = _say(under_test.robot.bus, under_test, *said[0])
+    said.append((b'{"power": 0.4, "lease": "%s"}' % answer["lease"].encode(), stamp.make("recorded", 0)))
+    if not (answer["accepted"] and _say(under_test.robot.bus, under_test, *said[1])["accepted"]):
+        return []
+    until(lambda: not under_test.trace.now().zero or under_test.answer("drive/state")["holder"] is None)
+    return [] if under_test.trace.now().zero else said
+
+
+def _say(bus: session.Session, under_test: Bench, payload: bytes, attachment: bytes) -> dict[str, Any]:
+    replies = bus.get(f"{under_test.robot.name}/drive/command", payload=payload, attachment=attachment, timeout=HANG_S)
     return json.loads(next(iter(replies)).ok.payload.to_bytes())

@@ -4,10 +4,11 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 from tests.support import programs
-from tests.support.bench import ANGLES, Bench, NoMotionError
+from tests.support.bench import ANGLES, STARTS_S, Bench, NoMotionError
 from tests.support.clients import plain
 from tests.support.clients.terminal import OnTerminal
 from tests.support.mover import POWER
@@ -53,37 +54,34 @@ def send_interrupted(under_test: Bench) -> None:
 
 def console_killed(under_test: Bench) -> None:
     """Kill a console on a terminal."""
-    console = _console(under_test)
-    _gone(under_test, "S8", lambda: under_test.kill(console.popen.pid))
-    console.end()
+    with _console(under_test) as console:
+        _gone(under_test, "S8", lambda: under_test.kill(console.popen.pid))
 
 
 def console_hung_up(under_test: Bench) -> None:
     """Close the terminal under a console."""
-    console = _console(under_test)
 
     def hang_up() -> int:
         at_ns = time.monotonic_ns()
         console.hang_up()
         return at_ns
 
-    _gone(under_test, "S8", hang_up)
-    console.popen.wait(HANG_S)
-    console.end()
+    with _console(under_test) as console:
+        _gone(under_test, "S8", hang_up)
+        console.popen.wait(HANG_S)
 
 
 def console_left(under_test: Bench) -> None:
     """Leave a console by end of input."""
-    console = _console(under_test)
 
     def leave() -> int:
         at_ns = time.monotonic_ns()
         console.type(b"\x04")
         return at_ns
 
-    _gone(under_test, "S8 clean", leave)
-    console.popen.wait(HANG_S)
-    console.end()
+    with _console(under_test) as console:
+        _gone(under_test, "S8 clean", leave)
+        console.popen.wait(HANG_S)
 
 
 WAYS: tuple[Callable[[Bench], None], ...] = (
@@ -99,7 +97,7 @@ WAYS: tuple[Callable[[Bench], None], ...] = (
 
 def _gone(under_test: Bench, figure: str, leave: Callable[[], int]) -> None:
     try:
-        under_test.wait_for_motion()
+        under_test.wait_for_motion(STARTS_S)
     except NoMotionError:
         leave()
         raise
@@ -134,8 +132,12 @@ def _send(under_test: Bench) -> "subprocess.Popen[bytes]":
     )
 
 
-def _console(under_test: Bench) -> OnTerminal:
+@contextmanager
+def _console(under_test: Bench) -> Iterator[OnTerminal]:
     console = OnTerminal(under_test.robot.home, [*LBR, "console"])
-    console.wait_for(b"Robot>")
-    console.type(f"/r/{POWER}/{_angle(under_test):g}\r".encode())
-    return console
+    try:
+        console.wait_for(b"Robot>")
+        console.type(f"/r/{POWER}/{_angle(under_test):g}\r".encode())
+        yield console
+    finally:
+        console.end()

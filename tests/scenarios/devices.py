@@ -10,8 +10,8 @@ from lbr.bus import stamp, wire
 from tests.scenarios.bounds import held
 from tests.scenarios.estop import PAUSE_S
 from tests.support.bench import Bench
-from tests.support.mover import Mover
 from tests.support.trace import Output
+from tests.support.waiting import HANG_S
 
 MOTORS, RANGES = "motor_controller", "range_board"
 DEAF_S = 2.0
@@ -83,12 +83,10 @@ def motors_dumb(under_test: Bench) -> None:
         lies = [f"estop was answered {said}"] if said["code"] == 0 or "motors" not in said["text"] else []
         end = time.monotonic() + TRUTH_S
         while time.monotonic() < end:
-            state = robot.ask("@estop")
+            state = under_test.answer("@estop")
             lies += [f"@estop says {state}"] if "motors" in state["acknowledged"] else []
     under_test.results.check("E7", lies[:1])
-    under_test.until(lambda: not robot.ask("@estop")["waiting"], 6.0, "the emergency stop acknowledged")
-    reset = robot.ask("@estop/reset", {}, timeout_s=3.0)
-    assert reset["accepted"], reset
+    under_test.release()
     under_test.all_ready()
     under_test.pass_time(AFTERMATH_S)
     mover.cease()
@@ -99,15 +97,14 @@ def motors_dumb(under_test: Bench) -> None:
 def ranges_fail(under_test: Bench, name: str) -> None:
     """S15: the range board fails in one way while the robot drives ahead."""
     ahead_m = _ahead_m(under_test)
-    mover = Mover(under_test.robot, 0.0).start()
-    under_test.wait_for_motion()
+    mover = under_test.drive(0.0)
     fault_ns = time.monotonic_ns()
     with fault(under_test, RANGES, name, RANGE_FAULTS[name]):
         zero = under_test.stopped_after("S15 frozen" if name == "frozen" else "S15", fault_ns)
         under_test.pass_time(AFTERMATH_S)
         mover.cease()
     under_test.stays_at_rest(zero)
-    under_test.all_ready(10.0)
+    under_test.all_ready()
     _back(under_test, ahead_m)
 
 
@@ -122,14 +119,13 @@ def fault(under_test: Bench, device: str, name: str, value: Any = True) -> Itera
 
 
 def _set(under_test: Bench, device: str, name: str, value: Any) -> None:
-    reply = under_test.robot.ask("world/fault", {"device": device, "name": name, "value": value})
-    assert reply is not None, "the world did not answer"
+    reply = under_test.answer("world/fault", {"device": device, "name": name, "value": value})
     assert reply["accepted"], reply
 
 
 def _first(under_test: Bench, feed: wire.Subscription, wanted: Callable[[Any], bool]) -> int:
     """Return when the first message like that was published."""
-    end = time.monotonic() + 3.0
+    end = time.monotonic() + HANG_S
     while time.monotonic() < end:
         for raw in feed.take():
             found = stamp.read(raw.attachment)
@@ -154,5 +150,5 @@ def _back(under_test: Bench, ahead_m: float) -> None:
     if _ahead_m(under_test) > ahead_m - WORTH_GOING_BACK_M:
         return
     with held(under_test, {"angle_deg": 180.0, "range_cm": round(ahead_m * 100), "sensor": "forward"}):
-        under_test.until(lambda: under_test.answer("drive/state")["goal"] is None, 6.0, "the end of the way back")
-        under_test.until(lambda: under_test.trace.now().zero, 3.0, "standing where it began")
+        under_test.until(lambda: under_test.answer("drive/state")["goal"] is None, HANG_S, "the end of the way back")
+        under_test.until(lambda: under_test.trace.now().zero, HANG_S, "standing where it began")

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 from tests.support.bench import Bench
+from tests.support.waiting import HANG_S
 
 PERSISTENT_S = 0.3
 PAUSE_S = 0.3
@@ -27,7 +28,7 @@ def press(under_test: Bench, figure: str, how: Callable[[], Any]) -> None:
     at_ns = time.monotonic_ns()
     how()
     zero = under_test.stopped_after(figure, at_ns)
-    under_test.until(lambda: _acknowledged(under_test), 3.0, "the emergency stop acknowledged")
+    under_test.until(lambda: _acknowledged(under_test), HANG_S, "the emergency stop acknowledged")
     under_test.release()
     under_test.pass_time(PERSISTENT_S)
     mover.cease()

@@ -13,7 +13,7 @@ import psutil
 
 from tests.scenarios.clients import plain_client
 from tests.scenarios.kills import AFTERMATH_S, kill_process
-from tests.support.bench import Bench, bench, processes_of
+from tests.support.bench import STARTS_S, Bench, bench, processes_of
 from tests.support.figures import Results
 
 FROZEN_S = 0.6
@@ -55,15 +55,16 @@ def executive_frozen(under_test: Bench) -> None:
 
 def client_frozen(under_test: Bench) -> None:
     """S7: a client that holds a motion is frozen, and goes on later."""
-    popen = plain_client(under_test)
-    under_test.wait_for_motion()
-    zero = under_test.stopped_after("S7", under_test.kill(popen.pid, signal.SIGSTOP))
-    under_test.pass_time(FROZEN_S)
-    under_test.kill(popen.pid, signal.SIGCONT)
-    under_test.pass_time(AFTERMATH_S)
-    under_test.stays_at_rest(zero)
-    popen.kill()
-    popen.communicate()
+    with plain_client(under_test) as popen:
+        try:
+            under_test.wait_for_motion(STARTS_S)
+            zero = under_test.stopped_after("S7", under_test.kill(popen.pid, signal.SIGSTOP))
+            under_test.pass_time(FROZEN_S)
+            under_test.kill(popen.pid, signal.SIGCONT)
+            under_test.pass_time(AFTERMATH_S)
+            under_test.stays_at_rest(zero)
+        finally:
+            popen.kill()
 
 
 def everything_frozen(under_test: Bench) -> None:

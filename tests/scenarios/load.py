@@ -12,7 +12,7 @@ from itertools import pairwise
 
 from tests.scenarios import clients, estop, kills
 from tests.support import programs
-from tests.support.bench import ATTEMPTS, Bench, NoMotionError, bench
+from tests.support.bench import Bench, bench
 from tests.support.clients import flood
 from tests.support.figures import Results
 from tests.support.robot import Robot
@@ -133,19 +133,7 @@ def _stops(under_test: Bench) -> None:
     kills.kill_process(under_test, "drive", "S3")
     under_test.all_ready(10.0)
     for way in (clients.plain_client_killed, clients.send_killed, estop.by_console, estop.by_put):
-        _once_it_moves(under_test, way)
-
-
-def _once_it_moves(under_test: Bench, way: Callable[[Bench], None]) -> None:
-    """Do it again where the robot did not begin to move, as it may not on a machine that is full; it is told."""
-    for _ in range(ATTEMPTS - 1):
-        try:
-            way(under_test)
-        except NoMotionError:
-            under_test.results.repeated.append("a start by a client: the motors did not turn in 3 s")
-        else:
-            return
-    way(under_test)
+        under_test.once_it_moves(way)
 
 
 def _unasked(under_test: Bench) -> int:

@@ -11,6 +11,7 @@ import serial
 from lbr.bus import stamp, wire
 from tests.support.bench import Bench
 from tests.support.robot import lbr
+from tests.support.waiting import HANG_S
 
 FOREIGN_S = 0.4
 ALREADY_RUNNING = 3
@@ -70,7 +71,7 @@ def _overhear(under_test: Bench, key: str) -> list[tuple[bytes, bytes]]:
 
 
 def _nothing_turns(under_test: Bench, how: str, key: str, messages: list[tuple[bytes, bytes]]) -> None:
-    under_test.until(lambda: under_test.trace.now().zero, 2.0, "rest")
+    under_test.until(lambda: under_test.trace.now().zero, HANG_S, "rest")
     since_ns = time.monotonic_ns()
     end = time.monotonic() + FOREIGN_S
     while time.monotonic() < end:

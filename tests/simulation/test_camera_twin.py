@@ -76,7 +76,7 @@ def test_pictures_come_with_the_size_asked_for_and_the_time_they_were_taken(stag
             assert picture(jpeg).size == (160, 90)
             stamps.append(taken_ns)
         assert stamps == sorted(set(stamps)), "each is a later one"
-        assert before - 50_000_000 < stamps[0] <= stamps[-1] <= time.monotonic_ns()
+        assert before < stamps[-1] <= time.monotonic_ns()
     assert ("cameras_drawn" in {kind for kind, _ in stage.ctx.events}) == (not stage.ctx.health)
 
 
@@ -154,7 +154,7 @@ def test_a_slow_camera_shows_two_pictures_a_second_and_a_stalled_one_none(mended
             other.frame()
         film.connection.settimeout(0.05)
         with pytest.raises(TimeoutError):
-            film.connection.recv(1)
+            list(iter(lambda: film.connection.recv(65536), b""))
 
 
 def test_unplugged_it_is_gone_and_replugged_it_shows_again(mended):
@@ -179,12 +179,12 @@ def test_a_drawing_process_that_dies_is_replaced_when_somebody_watches(stage):
         stage.world._cameras._process.kill()
         while film.frame():
             pass
-    for _ in range(400):
+
+    def shows():
         with stage.film() as film:
-            if film.frame():
-                return
-        stage.over.wait(0.01)
-    pytest.fail("no picture again")
+            return film.frame()
+
+    until(shows, what="a picture again")
 
 
 # What draws, without a socket.

@@ -14,6 +14,7 @@ from lbr.simulation.requests import PickUpRequest, PictureRequest, PlugRequest
 from tests.simulation.humanoid_bench import rows
 from tests.simulation.world_bench import Bench as WorldBench
 from tests.simulation.world_bench import WorldContext
+from tests.support.waiting import HANG_S
 
 STEP_RAD = radians(300.0 / 1023.0)
 LEFT_ARM = 4
@@ -42,7 +43,7 @@ class Client:
     """A host of the bus, packet by packet as the manual has them."""
 
     def __init__(self, path):
-        self.tty = serial.Serial(str(path), 1_000_000, timeout=1, exclusive=True)
+        self.tty = serial.Serial(str(path), 1_000_000, timeout=HANG_S, exclusive=True)
 
     def write_all(self, address, values):
         """A sync write of two bytes to each servo; no answer."""

@@ -15,6 +15,7 @@ from lbr.simulation.devices.mpu9150.twin import Mpu9150, Mpu9150Twin
 from lbr.simulation.i2c import Message, transfer
 from lbr.simulation.measured import ImuReading
 from tests.simulation.world_bench import AROUND
+from tests.support.waiting import HANG_S
 
 FELT = ImuReading(
     gyro_rps=(0.1, -0.2, 0.3), accel_mps2=(1.0, -2.0, 9.80665), mag_ut=(20.0, -5.0, -40.0), temperature_c=31.0
@@ -320,7 +321,7 @@ class Wire:
 
     def connect(self):
         client = socket.socket(socket.AF_UNIX)
-        client.settimeout(2)
+        client.settimeout(HANG_S)
         client.connect(str(self.path))
         return client
 

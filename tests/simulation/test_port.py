@@ -7,7 +7,7 @@ import serial
 
 from lbr.errors import DeviceError
 from lbr.simulation.port import PtyPort
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 
 @pytest.fixture
@@ -17,12 +17,12 @@ def port(tmp_path):
 
 
 def open_client(port):
-    return serial.Serial(str(port.path), 115200, timeout=1, write_timeout=1, exclusive=True)
+    return serial.Serial(str(port.path), 115200, timeout=HANG_S, write_timeout=HANG_S, exclusive=True)
 
 
 def heard(port, count):
     data = b""
-    while len(data) < count and select.select([port], [], [], 1)[0]:
+    while len(data) < count and select.select([port], [], [], HANG_S)[0]:
         data += port.read()
     return data
 

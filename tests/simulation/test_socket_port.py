@@ -9,6 +9,7 @@ import pytest
 from lbr.drivers.i2c_socket import SocketBus
 from lbr.errors import DeviceError
 from lbr.simulation.socket_port import SocketPort
+from tests.support.waiting import HANG_S
 
 
 @pytest.fixture
@@ -19,14 +20,14 @@ def port(tmp_path):
 
 def connect(port):
     client = socket.socket(socket.AF_UNIX)
-    client.settimeout(2)
+    client.settimeout(HANG_S)
     client.connect(str(port.path))
     return client
 
 
 def news(port):
     """What came, waited for as the world waits."""
-    assert select.select([port], [], [], 2)[0]
+    assert select.select([port], [], [], HANG_S)[0]
     return port.receive()
 
 

@@ -32,7 +32,7 @@ class Client:
     """A motor line without echo."""
 
     def __init__(self, path):
-        self.tty = serial.Serial(str(path), 115200, timeout=1, write_timeout=1, exclusive=True)
+        self.tty = serial.Serial(str(path), 115200, timeout=HANG_S, write_timeout=HANG_S, exclusive=True)
         self.tty.write(b"^ECHOF 1\r")
         assert self.tty.read_until(b"+\r").endswith(b"+\r")
 

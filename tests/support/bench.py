@@ -21,13 +21,14 @@ from tests.support.mover import RENEW_S, Mover
 from tests.support.robot import Robot, start
 from tests.support.robot import prepare as prepare_base
 from tests.support.trace import Output, Trace, limit_violations
-from tests.support.waiting import HANG_S
+from tests.support.waiting import HANG_S, STOPS_S
 
 VICTIMS = Path(__file__).parent / "victims"
 ALMOST = 0.39
 ATTEMPTS = 20
 """Of a start, by which nothing is measured: on a machine that is full many are broken off, as they must be."""
-ANSWER_S = 6.0
+STARTS_S = 10.0
+"""A program that drives has begun to, or has been refused on a machine that is full."""
 LAST_BYTES_S = 0.15
 """A killed driver's last bytes may wait this long in the line; no new one is ready so soon."""
 ROUNDED_S = 0.1
@@ -75,30 +76,44 @@ class Bench:
         """Spans in which an output may jump, because something else bounds what it does there."""
         self._turn = 0
 
-    def drive(self) -> Mover:
-        """Bring both motors to 40 %, then let a random part of a renewal's period pass."""
+    def drive(self, angle_deg: float | None = None) -> Mover:
+        """Bring both motors to 40 %, then let a random part of a renewal's period pass; without an angle on the spot."""
         for _ in range(ATTEMPTS - 1):
-            mover = self._start()
+            mover = self._start(angle_deg)
             with suppress(NoMotionError):
                 self.wait_for_motion(1.5)
                 return mover
             mover.cease()
             self.results.repeated.append("a start of both motors: they did not come to 40 % in 1.5 s")
-        mover = self._start()
+        mover = self._start(angle_deg)
         self.wait_for_motion()
         return mover
 
     def wait_for_motion(self, limit_s: float = HANG_S) -> None:
-        """Wait until both motors turn at 40 %, and then for a random phase."""
+        """Wait until both motors turn at 40 %, and still do after a random phase."""
+
+        def turns() -> bool:
+            return self.trace.now().least >= ALMOST
+
         try:
-            self.until(lambda: self.trace.now().least >= ALMOST, limit_s, "motion")
+            self.until(turns, limit_s, "motion")
+            self.pass_time(self.dice.uniform(0.0, RENEW_S))
+            self.until(turns, limit_s, "motion that goes on")
         except AssertionError as err:
             raise NoMotionError(*err.args) from None
-        self.pass_time(self.dice.uniform(0.0, RENEW_S))
 
-    def _start(self) -> Mover:
+    def once_it_moves(self, way: Callable[["Bench"], None]) -> None:
+        """Go a way again where the robot did not begin to move, as it may not on a machine that is full; it is told."""
+        for _ in range(ATTEMPTS - 1):
+            with suppress(NoMotionError):
+                way(self)
+                return
+            self.results.repeated.append(f"a start by a client: the motors did not turn in {STARTS_S:g} s")
+        way(self)
+
+    def _start(self, angle_deg: float | None) -> Mover:
         self._turn += 1
-        return Mover(self.robot, ANGLES[self._turn % 2]).start()
+        return Mover(self.robot, ANGLES[self._turn % 2] if angle_deg is None else angle_deg).start()
 
     def pid(self, name: str) -> int:
         """Return the process of a capability."""
@@ -112,7 +127,7 @@ class Bench:
 
     def units(self) -> list[dict[str, Any]]:
         """Return every capability's status at this moment; asks again if no answer comes, as when links come back."""
-        end = time.monotonic() + ANSWER_S
+        end = time.monotonic() + HANG_S
         while True:
             try:
                 units: list[dict[str, Any]] = self.robot.line("/report/health")["data"]["capabilities"]
@@ -125,7 +140,7 @@ class Bench:
 
     def answer(self, key: str, message: Any = None) -> dict[str, Any]:
         """Return the answer to what may be asked more than once; asks again if none comes."""
-        end = time.monotonic() + ANSWER_S
+        end = time.monotonic() + HANG_S
         while (found := self.robot.ask(key, message, timeout_s=3.0)) is None:
             if time.monotonic() > end:
                 raise AssertionError(f"no answer from {key}; {self.state()}")
@@ -135,14 +150,13 @@ class Bench:
     def release(self) -> None:
         """Reset the emergency stop once every device has acknowledged it."""
         self.until(lambda: not self.answer("@estop")["waiting"], HANG_S, "the emergency stop acknowledged")
-        reset = self.answer("@estop/reset", {})
-        assert reset["accepted"], reset
+        self.until(lambda: self.answer("@estop/reset", {})["accepted"], HANG_S, "its reset")
 
-    def reached(self, limit_s: float = 6.0) -> None:
+    def reached(self, limit_s: float = HANG_S) -> None:
         """Wait until the robot answers again, operators and its owner alike."""
         self.until(lambda: self.robot.answers(timeout_s=0.2), limit_s, "an answer", every_s=0.02)
 
-    def all_ready(self, limit_s: float = 6.0) -> None:
+    def all_ready(self, limit_s: float = HANG_S) -> None:
         """Wait until everything has been ready for a moment, not only on its way through."""
 
         def ready() -> bool:
@@ -158,7 +172,9 @@ class Bench:
         os.kill(pid, number)
         return at_ns
 
-    def stopped_after(self, figure: str, fault_ns: int, *, limit_s: float = 2.0, with_it: str = "") -> Output | None:
+    def stopped_after(
+        self, figure: str, fault_ns: int, *, limit_s: float = STOPS_S, with_it: str = ""
+    ) -> Output | None:
         """Measure from a fault to both outputs zero; `with_it` is what else was done to the robot, told if they are not."""
         zero = self.trace.first_zero(fault_ns, limit_s)
         before = self.trace.at(fault_ns)  # now that all until then is read
@@ -220,7 +236,7 @@ class Bench:
                 if unit["name"] in names
             )
 
-        self.until(anew, 6.0, f"{name} ready again", every_s=0.015)
+        self.until(anew, HANG_S, f"{name} ready again", every_s=0.015)
 
     def check_limits(self, max_power: float = 1.0, accel_per_s: float = ACCEL_PER_S) -> None:
         """Check everything that the outputs ever did against the configured limits."""

@@ -8,12 +8,13 @@ from typing import Any
 
 from lbr.errors import BusError
 from tests.support.robot import Robot
+from tests.support.waiting import HANG_S
 
 POWER = 0.4
 RENEW_S = 0.1
 
 
-def accepted(robot: Robot, command: dict[str, Any], *, source: str = "bench", limit_s: float = 5.0) -> str:
+def accepted(robot: Robot, command: dict[str, Any], *, source: str = "bench", limit_s: float = HANG_S) -> str:
     """Send a drive command until it is accepted; return its lease."""
     end = time.monotonic() + limit_s
     while True:
@@ -36,7 +37,7 @@ class Mover:
         self._thread = threading.Thread(target=self._renew, daemon=True)
         self.lease = ""
 
-    def start(self, limit_s: float = 5.0) -> "Mover":
+    def start(self, limit_s: float = HANG_S) -> "Mover":
         """Send the command until it is accepted, then hold it."""
         self.lease = accepted(self._robot, self._command, source=self._source, limit_s=limit_s)
         self._thread.start()
