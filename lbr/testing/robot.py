@@ -50,7 +50,7 @@ class Robot:
         running = json.loads((self.home / "run" / f"{self.name}.json").read_text())
         return session.open_client([running["core"]], Credentials(user=TOOLS, password=running["password"]))
 
-    def ask(self, key: str, message: object = None, *, source: str = "test", timeout_s: float = 2.0) -> Any:
+    def ask(self, key: str, message: object = None, *, source: str = "test", timeout_s: float = ANSWER_S) -> Any:
         """Query `<robot>/<key>` and return the decoded answer; None without one."""
         answers = wire.ask(self.bus, f"{self.name}/{key}", message, source=source, timeout_s=timeout_s)
         return json.loads(answers[0].payload) if answers else None
