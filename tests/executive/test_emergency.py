@@ -117,13 +117,13 @@ def test_what_was_written_before_another_pressed_it_releases_nothing(tmp_path: P
             until(lambda: acknowledge_soon() or robot.kept.state().acknowledged, what="the motors stand")
 
         press("ann")
-        assert robot.kept.release("ann", began_s) is None, "her own press is meant"
+        until(lambda: robot.kept.release("ann", began_s) is None, what="her own press is meant")
         press("bob")
         why_not = robot.kept.release("ann", began_s)
         assert why_not is not None
         assert why_not.code == "stopped_since"
         assert robot.kept.state().engaged
-        assert released(robot)
+        until(lambda: released(robot), what="it is released")
         del release
 
 
@@ -178,7 +178,21 @@ def test_a_stop_that_only_a_mover_heard_is_latched_and_saved(tmp_path: Path) -> 
         until(lambda: robot.saved and robot.saved[-1][0], what="it is on the disk")
 
 
-def pressed(robot: KeptStop) -> tuple[Thread, list[EstopState]]:
+def test_a_latch_that_waits_to_be_saved_is_saved_when_the_robot_ends(tmp_path: Path) -> None:
+    with keeper(tmp_path) as (robot, bus):
+        robot.rest()
+        bus.put(keys.estop("lbr"), json.dumps({"engaged": True, "reason": "a ladder"}))
+        until(lambda: robot.kept.state().engaged, what="it is latched")
+        assert robot.saved == []
+        robot.kept.close()
+        assert robot.saved == [(True, "a ladder")]
+
+
+def pressed(robot: KeptStop, bus: session.Session, within_s: float) -> tuple[Thread, list[EstopState]]:
+    """Press the stop of a device that is known to take so long."""
+    before = robot.woken
+    acknowledge(bus, engaged=False, within_s=within_s)
+    until(lambda: robot.woken > before, what="how long it takes is known")
     answers: list[EstopState] = []
     thread = Thread(target=lambda: answers.append(robot.kept.press("a ladder", "tester")))
     thread.start()
@@ -191,7 +205,7 @@ def test_who_pressed_is_answered_once_a_slow_device_has_acknowledged_and_meanwhi
 ) -> None:
     with keeper(tmp_path) as (robot, bus):
         began = emergency.time.monotonic()
-        thread, answers = pressed(robot)
+        thread, answers = pressed(robot, bus, 9.0)
         acknowledge(bus, engaged=True, stopped=False, within_s=9.0)
         until(lambda: emergency.time.monotonic() - began > 0.8, what="longer than a device usually takes")
         state = robot.kept.state()
@@ -205,7 +219,7 @@ def test_who_pressed_is_answered_once_a_slow_device_has_acknowledged_and_meanwhi
 
 def test_a_device_that_does_not_acknowledge_in_its_time_is_an_alarm_once(tmp_path: Path) -> None:
     with keeper(tmp_path) as (robot, bus):
-        thread, answers = pressed(robot)
+        thread, answers = pressed(robot, bus, 0.7)
         acknowledge(bus, engaged=True, stopped=False, within_s=0.7)
         thread.join(HANG_S)
         assert [(one.waiting, one.overdue) for one in answers] == [(("motors",), ("motors",))]

@@ -244,7 +244,9 @@ class Emergency(Service):
         return self._repeat_at
 
     def close(self) -> None:
-        """Leave the bus."""
+        """Store a latch that is not stored yet, and leave the bus."""
+        if self._unsaved:
+            self._save(time.monotonic())
         self._pool.shutdown(wait=False, cancel_futures=True)
         self._session.close()
 
