@@ -73,7 +73,8 @@ def test_a_program_has_no_privileges_and_gains_none(commands):
     assert (status["CapEff"], status["NoNewPrivs"], status["Umask"]) == ("0" * 16, "1", "0077")
 
 
-def test_a_program_whose_row_is_gone_is_asked_to_end_once_and_has_its_time_for_it(commands, tmp_path):
+def test_a_program_whose_row_is_gone_is_asked_to_end_once_and_has_its_time_for_it(commands, tmp_path, monkeypatch):
+    monkeypatch.setattr(external, "STOP_S", HANG_S)
     script = (
         "import signal, sys, time; asked = []\n"
         "signal.signal(signal.SIGTERM, lambda *_: asked.append(time.monotonic()))\n"

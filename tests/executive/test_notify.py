@@ -14,7 +14,7 @@ import pytest
 
 from lbr.executive.notify import Notifier
 from tests.support.robot import start
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 PERIOD_S = 2.0
 """What the unit sets as WatchdogSec."""
@@ -37,7 +37,7 @@ class FakeManager:
         self.said += news
         return news
 
-    def hears(self, word: str, limit_s: float = 9.0) -> None:
+    def hears(self, word: str, limit_s: float = HANG_S) -> None:
         """Wait until it has heard a line."""
         end = time.monotonic() + limit_s
         while word not in self.said and select.select([self.socket], [], [], max(0.0, end - time.monotonic()))[0]:
@@ -91,7 +91,7 @@ def test_a_robot_says_when_it_is_ready_beats_while_its_main_loop_goes_round_and_
         assert manager.listen(PERIOD_S / 2) == []
         os.kill(robot.popen.pid, signal.SIGCONT)
         manager.said.clear()
-        manager.hears("WATCHDOG=1", PERIOD_S)
+        manager.hears("WATCHDOG=1")
     finally:
         assert robot.close() == 0
     manager.listen(0.05)

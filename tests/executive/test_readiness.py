@@ -125,7 +125,7 @@ def test_a_simulation_without_its_extra_is_refused_in_one_line_before_anything_s
     assert not list((home / "logs").glob("*.log"))
 
 
-def line_of(popen: "subprocess.Popen[str]", limit_s: float = 9.0) -> dict:
+def line_of(popen: "subprocess.Popen[str]", limit_s: float = HANG_S) -> dict:
     assert popen.stdout is not None
     readable, _, _ = select.select([popen.stdout], [], [], limit_s)
     assert readable, "no line"

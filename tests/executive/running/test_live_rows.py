@@ -1,14 +1,15 @@
 """A running robot, edited with another SQLite client: only what is affected moves, bad edits change nothing."""
 
 import json
-from concurrent.futures import ThreadPoolExecutor
+import time
 
 import pytest
 
+from lbr.bus import stamp, wire
 from tests.support import databases
 from tests.support.commands import here
 from tests.support.robot import Robot, lbr
-from tests.support.waiting import STOPS_S, until
+from tests.support.waiting import until
 
 HELLO = """
 from msgspec import Struct
@@ -85,7 +86,7 @@ def test_a_word_is_a_row(robot):
     )
     reply = until(lambda: (said := robot.line("creep"))["code"] == 0 and said)
     assert reply["hold"]["payload"]["power"] == 0.1
-    (changed,) = (one for one in robot.events() if one["kind"] == "rows_changed" and "creep" in one["text"])
+    (changed,) = until(lambda: [e for e in robot.events() if e["kind"] == "rows_changed" and "creep" in e["text"]])
     assert changed["data"]["touched"] == ["drive"]
     robot.line("stop")
     robot.edit("DELETE FROM verb WHERE word = 'creep'")
@@ -100,17 +101,17 @@ def test_what_holds_the_base_is_named_by_the_word_and_by_the_command_and_what_to
     until(lambda: told()[0] != "held", what="nothing holds it")
     robot.press()
     until(lambda: not robot.ask("@estop")["waiting"], what="it is acknowledged")
-    assert told() == told("/why/drive") == ("held", "estop")
-    said = json.loads(here(robot.home, "why", "drive", "--json").stdout)
-    assert (said["code"], said["source"]) == ("estop", "bus")
-    part = here(robot.home, "status", "drive").stdout
-    assert ("\nmotors " in part, "\ndrive " in part, told()[1] in part) == (False, True, True)
+    until(lambda: told() == told("/why/drive") == ("held", "estop"), what="each part told of it")
+    why = lambda: json.loads(here(robot.home, "why", "drive", "--json").stdout)  # noqa: E731
+    until(lambda: ((said := why())["code"], said["source"]) == ("estop", "bus"))
+    part = until(lambda: "estop" in (said := here(robot.home, "status", "drive").stdout) and said)
+    assert ("\nmotors " in part, "\ndrive " in part) == (False, True)
     (only,) = json.loads(here(robot.home, "status", "drive", "--json").stdout)["capabilities"]
     assert only["name"] == "drive"
     assert here(robot.home, "status", "driv").returncode == 2
     until(lambda: robot.line("reset")["code"] == 0)
     until(lambda: told()[0] != "held")
-    assert robot.line("why drive", role="view")["data"]["code"] == "role"
+    until(lambda: robot.line("why drive", role="view")["data"]["code"] == "role")
     robot.edit("UPDATE capability SET enabled = 0 WHERE name = 'ranges'")
     found = until(lambda: (said := robot.line("why")["data"])["code"] == "off" and said)
     assert "SET enabled = 1" in found["do"]
@@ -144,13 +145,15 @@ def test_a_mover_that_does_not_answer_delays_the_stop_of_no_other(robot):
     robot.edit("INSERT INTO capability (robot, name, kind) VALUES ('lbr', 'deaf', 'deaf')")
     until(lambda: phase(robot, "deaf") == "ready")
     until(lambda: robot.line("/r/0.2/90")["code"] == 0, what="it drives")
-    with ThreadPoolExecutor() as pool:
-        said = pool.submit(robot.line, "stop")
-        until(lambda: "stopped by" in robot.ask("drive/state")["reason"], limit_s=STOPS_S, what="the drive is stopped")
-        assert not said.done(), "the one that is deaf is still waited for"
-        result = said.result()
+    states = wire.Subscription(robot.bus, f"{robot.name}/drive/state", depth=1000)
+    result = robot.line("stop")
+    answered_ns = time.monotonic_ns()
     assert result["code"] == 1
     assert result["text"].startswith("stopped; 'deaf' did not answer")
+    stopped = next(raw for raw in states.take() if b"stopped by" in raw.payload)
+    assert stamp.read(stopped.attachment).mono_ns < answered_ns - 5e8, (
+        "it was stopped while the deaf one was waited for"
+    )
     robot.edit("DELETE FROM capability WHERE name = 'deaf'")
     until(lambda: phase(robot, "deaf") == "absent")
 
@@ -218,12 +221,14 @@ def test_a_bad_edit_changes_nothing_and_is_explained(robot, edit, complaint):
 
 def test_an_edit_while_driving_stops_what_it_affects(robot):
     hold = until(lambda: (said := robot.line("/r/0.2/180"))["code"] == 0 and said)["hold"]
+    edited_ns = time.time_ns()
     robot.edit(
         """UPDATE capability SET settings = json_set(settings, '$.reply_timeout_s', 0.04) WHERE name = 'motors'"""
     )
     refused = until(lambda: _refused(robot, hold), what="the lease to die with the driver it moved")
     assert refused
-    until(lambda: phase(robot, "motors") == "ready")
+    started = lambda: {e["subject"] for e in robot.events() if e["kind"] == "started" and e["wall_ns"] > edited_ns}  # noqa: E731
+    until(lambda: "motors" in started(), what="its driver begins again")
     until(lambda: (robot.ask("motors/state") or {}).get("left") == 0.0)
 
 
@@ -271,7 +276,7 @@ def test_what_a_capability_measures_is_written_down_and_restarts_nothing_or_is_t
     robot.ask("compass/measure", {})
     until(lambda: calibrations(robot) == [("range_board", "offset_ut", 7.5)])
     until(lambda: any("insert calibration 'range_board/offset_ut'" in event["text"] for event in robot.events()))
-    assert robot.ask("compass/known") == {"values": {"offset_ut": 7.5}}
+    until(lambda: robot.ask("compass/known") == {"values": {"offset_ut": 7.5}})
     assert pids(robot) == before
     robot.edit("UPDATE calibration SET value = 8.5")  # by somebody else's hand it counts as any edit does
     until(lambda: robot.ask("compass/known") == {"values": {"offset_ut": 8.5}})
@@ -282,7 +287,7 @@ def test_what_a_capability_measures_is_written_down_and_restarts_nothing_or_is_t
     assert "offset_ut" in lost
     assert "holds until the next restart only" in lost
     assert "there is no room" in lost
-    assert robot.ask("compass/known") == {"values": {"offset_ut": 7.5}}
+    until(lambda: robot.ask("compass/known") == {"values": {"offset_ut": 7.5}})
     assert calibrations(robot) == [("range_board", "offset_ut", 8.5)]
     robot.edit("DROP TRIGGER full")
 

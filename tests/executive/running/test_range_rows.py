@@ -64,6 +64,16 @@ def renew(robot: Robot, hold: dict) -> dict:
     return robot.ask(hold["key"].partition("/")[2], hold["payload"]) or {}
 
 
+def left(robot: Robot) -> float | None:
+    """Return the power of the left motor, if its driver tells it."""
+    return (robot.ask("motors/state") or {}).get("left")
+
+
+def seen(robot: Robot) -> dict[str, float]:
+    """Return what is seen at a moment at which all of it is known."""
+    return until(lambda: None not in (sees := state(robot).get("sees", {"": None})).values() and sees, what="all seen")
+
+
 def why_it_stands(robot: Robot, hold: dict, line: str) -> str:
     """Renew a hold, and return why the base stands; where a busy machine ended the motion, the line begins another."""
     renew(robot, hold)
@@ -91,38 +101,35 @@ def lidar(robot):
 
 
 def test_rows_make_a_lidar_that_the_drive_goes_by(lidar):
-    sees = state(lidar)["sees"]
+    sees = seen(lidar)
     assert sees["lidar forward"] == pytest.approx(2.45 - 0.215, abs=0.05)
     assert sees["lidar left"] == pytest.approx(2.45 - 0.15, abs=0.05)
-    said = lidar.line("/report/telemetry")
-    assert said["data"]["lidar/scan"]["sensor"] == "lidar"
+    told = until(lambda: lidar.line("/report/telemetry")["data"].get("lidar/scan"), what="the scan, reported in time")
+    assert told["sensor"] == "lidar"
     refused = lidar.line("/r/0.2/0/60/lidar/3")
     assert "sensor 'lidar' is not one of forward, back, left, right, bottom" in refused["text"]
-    hold = until(lambda: drives(lidar))
-    assert renew(lidar, hold)["accepted"]
+    until(lambda: (hold := drives(lidar)) and renew(lidar, hold).get("accepted"), what="a motion that is held")
 
 
 def test_what_the_lidar_alone_sees_stops_the_robot_before_it(lidar):
     pose = lidar.ask("world/pose")
     lidar.line(f"/obstacle/{pose['x_m'] + 0.72:.2f}/{pose['y_m'] - 0.31:.2f}")
-    until(lambda: state(lidar)["sees"]["lidar forward"] < 0.5)
+    until(lambda: seen(lidar)["lidar forward"] < 0.5)
     assert lidar.ask("ranges/readings")["forward_m"] > 0.6, "the sensor ahead hears nothing of it"
     hold = until(lambda: drives(lidar))
-
-    until(lambda: "lidar forward" in why_it_stands(lidar, hold, "/r/0.2/0"))
+    until(lambda: "lidar forward 0." in why_it_stands(lidar, hold, "/r/0.2/0"))
     pose = lidar.ask("world/pose")
     assert not pose["touching"]
-    assert state(lidar)["sees"]["lidar forward"] == pytest.approx(0.25, abs=0.06)
+    assert seen(lidar)["lidar forward"] == pytest.approx(0.25, abs=0.06)
     assert "lidar forward" in until(lambda: refusal(lidar, "/r/0.2/0"))
     assert until(lambda: drives(lidar, "/r/0.2/180")), "away from it is free"
 
 
 @pytest.mark.parametrize("fault", ["unplug", "dark"])
 def test_a_lidar_that_fails_stops_the_robot_and_lets_it_go_on_afterwards(lidar, fault):
-    hold = until(lambda: drives(lidar, "/r/0.1/180"))
-    until(lambda: (renew(lidar, hold), (lidar.ask("motors/state") or {}).get("left", 0.0) < 0.0)[1])
+    until(lambda: drives(lidar, "/r/0.1/180") and (left(lidar) or 0.0) < 0.0, what="motion")
     lidar.line(f"/fault/lidar_line/{fault}")
-    until(lambda: (renew(lidar, hold), (lidar.ask("motors/state") or {}).get("left") == 0.0)[1])
+    until(lambda: (drives(lidar, "/r/0.1/180"), left(lidar) == 0.0)[1])
     assert "lidar back" in until(lambda: refusal(lidar, "/r/0.1/180")), lidar.capability("drive")
     lidar.line(f"/fault/lidar_line/{fault}/off")
     until(lambda: drives(lidar, "/r/0.1/0"), what="motion with a lidar that works again")
@@ -132,12 +139,12 @@ def test_a_lidar_that_tells_the_same_for_ever_stops_the_robot(lidar):
     lidar.line("/fault/lidar_line/frozen")
     hold = until(lambda: drives(lidar, "/r/0.2/180"))
     until(lambda: "is frozen" in why_it_stands(lidar, hold, "/r/0.2/180"), what="why it does not drive")
-    until(lambda: (lidar.ask("motors/state") or {}).get("left") == 0.0)
+    until(lambda: left(lidar) == 0.0)
 
 
 def test_a_lidar_driver_that_is_killed_and_does_not_come_back_stops_the_robot(lidar):
+    until(lambda: drives(lidar, "/r/0.1/0") and (left(lidar) or 0.0) > 0.0, what="motion")
     hold = until(lambda: drives(lidar, "/r/0.1/0"))
-    until(lambda: (renew(lidar, hold), (lidar.ask("motors/state") or {}).get("left", 0.0) > 0.0)[1])
     trace, began_ns, killed = Trace(lidar.trace), time.monotonic_ns(), set()
 
     def stopped() -> bool:
