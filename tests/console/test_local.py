@@ -10,7 +10,7 @@ from unittest import mock
 import pytest
 
 from lbr.console import local, terminal
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 
 @pytest.mark.parametrize("at", [os.pipe, pty.openpty], ids=["a pipe", "a terminal"])
@@ -31,7 +31,7 @@ def test_a_console_that_is_to_be_left_before_it_is_there_ends_at_once(monkeypatc
             monkeypatch.setattr(local, "BusOperator", mock.Mock())
             monkeypatch.setattr(terminal, "Terminal", mock.Mock(side_effect=AssertionError("no prompt is to be shown")))
             assert local.run_local("lbr", connect, mock.Mock(), mock.Mock()) == 0
-        leaving.join(1.0)
+        leaving.join(HANG_S)
         assert not leaving.is_alive()
         assert not local._open.leaving
     finally:

@@ -2,6 +2,7 @@
 
 import json
 import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -18,6 +19,15 @@ from tests.support.trace import Trace
 from tests.support.waiting import until
 
 TURN, BOUNDED, ON = "/r/0.4/90", "/r/0.4/90/0/forward/20", "/r/0.3/270"
+PATIENT_CONSOLE = """
+import sys
+from lbr.console import ear
+from lbr.start import main
+ear.FRESH_S = 30.0
+sys.argv = ["lbr", "console"]
+sys.exit(main())
+"""
+"""A console that holds its motion although a busy machine holds it up, for as long as the lease lasts."""
 TYPED_BEFORE_S = 0.5
 """How long before the stop a line was typed: longer than the way of either."""
 
@@ -43,7 +53,7 @@ def script(
     robot, *lines: str, after: Callable[[], None] = lambda: None, then: tuple[str, ...] = ()
 ) -> "Iterator[subprocess.Popen[str]]":
     popen = programs.start(
-        [*LBR, "console"],
+        [sys.executable, "-c", PATIENT_CONSOLE],
         env=environment(robot.home),
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
@@ -80,7 +90,7 @@ def test_a_script_ends_at_a_stop_by_another(robot, trace, stop):
         if stop == "estop":
             answers = (b"acknowledged", b"waiting for ")
             until(lambda: any(one in theirs.said for one in answers), what="the line's own press, after the key's")
-            assert robot.line("reset")["code"] == 0
+            until(lambda: robot.line("reset")["code"] == 0, what="it is released")
         since_ns = time.monotonic_ns()
         out, err = ours.communicate(timeout=8)
         assert ours.returncode == 1
@@ -117,9 +127,9 @@ def test_neither_a_line_that_waited_moves_after_a_stop_past_the_executive_nor_wh
         )
         return json.loads(answer.payload)
 
-    assert waiting(robot, ON, typed_s)["reason_code"] == "stopped_since"
-    assert passed_on(typed_s)["code"] == "stopped_since"
-    assert passed_on(time.monotonic())["accepted"]
+    in_time(lambda: waiting(robot, ON, typed_s), "reason_code", "stopped_since")
+    in_time(lambda: passed_on(typed_s), "code", "stopped_since")
+    in_time(lambda: passed_on(time.monotonic()), "accepted", True)
 
 
 def test_a_script_releases_what_it_has_pressed_and_nothing_that_another_has(robot, trace):
@@ -128,11 +138,12 @@ def test_a_script_releases_what_it_has_pressed_and_nothing_that_another_has(robo
         out, err = ours.communicate(timeout=8)
     assert (ours.returncode, err) == (0, ""), out
     typed_s = time.monotonic() - TYPED_BEFORE_S
-    assert waiting(robot, "estop", time.monotonic())["code"] == 0
+    waiting(robot, "estop", time.monotonic())
+    until(lambda: robot.ask("@estop")["engaged"], what="its latch")
     robot.put("@estop", {"engaged": True, "reason": "a ladder"}, source="a page")
     until(lambda: after(waiting(robot, "reset", typed_s)), what="it is not released")
     assert robot.ask("@estop")["engaged"]
-    assert waiting(robot, "reset", time.monotonic())["code"] == 0
+    until(lambda: waiting(robot, "reset", time.monotonic())["code"] == 0, what="it is released")
 
 
 def waiting(robot, line: str, typed_s: float) -> dict:
@@ -140,6 +151,12 @@ def waiting(robot, line: str, typed_s: float) -> dict:
         robot.bus, "lbr/@console", line, source="us", waited_s=time.monotonic() - typed_s, timeout_s=5.0
     )
     return json.loads(answer.payload)
+
+
+def in_time(say: Callable[[], dict], field: str, value: object) -> None:
+    """Check a field of the answer to what came in time; what a busy machine held up is said again."""
+    answer = until(lambda: None if "late" in {(said := say()).get("code"), said.get("reason_code")} else said)
+    assert answer[field] == value, answer
 
 
 def after(result: dict) -> dict | None:
@@ -151,7 +168,7 @@ def test_lines_typed_ahead_do_not_move_what_another_console_stopped(tmp_path):
     home = robots.prepare(tmp_path, edits=robots.PATIENT)
     with terminal(home, "run") as ours, terminal(home) as theirs:
         trace = Trace(home / "trace.txt")
-        until(lambda: b"all up" in ours.said + theirs.said, what="a robot that is ready, its ranges too")
+        until(lambda: '"ready":true' in robots.lbr(home, "status", "--json").stdout, what="its ranges, too")
         theirs.type(f"{TURN}\r".encode())
         moving(trace)
         for _ in range(5):

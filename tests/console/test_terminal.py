@@ -20,7 +20,7 @@ from lbr.messages.leases import STOPPED_SINCE
 from lbr.messages.system import ConsoleResult, Event
 from tests.console.fake_robot import ROBOT
 from tests.console.vt import Vt
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 PASTE = "\x1b[200~{}\x1b[201~"
 STEPS = re.compile(r"\x1b\[([0-9]*)C")
@@ -83,7 +83,7 @@ class Screen:
             raise AssertionError(f"'{text}' did not come; there is {self.text!r}") from None
 
     def ends(self) -> int | None:
-        self._runner.join(5)
+        self._runner.join(HANG_S)
         assert not self._runner.is_alive()
         return self.code
 
@@ -118,7 +118,9 @@ class Screen:
 
 
 @pytest.fixture
-def screen(robot, client):
+def screen(robot, client, monkeypatch):
+    for name in ("CONTACT_S", "STUCK_S"):  # as in the fixture `patient`
+        monkeypatch.setattr(f"lbr.console.terminal.{name}", HANG_S)
     robot.lines["help"] = ConsoleResult(
         code=0,
         text="s  Stop",
@@ -332,7 +334,8 @@ def test_who_leaves_without_contact_is_not_told_that_it_stopped(screen, monkeypa
     assert not any("Stopped" in line for line in screen.shown)
 
 
-def test_lines_typed_ahead_are_said_in_their_order(robot, screen):
+def test_lines_typed_ahead_are_said_in_their_order(robot, screen, monkeypatch):
+    monkeypatch.setattr("lbr.console.terminal.PATIENCE_S", HANG_S)
     words = [f"word{number}" for number in range(8)]
     screen.types("".join(f"{word}\r" for word in words))
     until(lambda: len(said(robot)) == len(words))
@@ -361,7 +364,7 @@ def flood(robot, screen) -> None:
 
 
 def test_a_terminal_that_is_not_read_stops_what_it_holds(robot, screen, monkeypatch, wording):
-    monkeypatch.setattr("lbr.console.ear.FRESH_S", 30.0)  # a busy machine holds up the console, too
+    monkeypatch.setattr("lbr.console.terminal.STUCK_S", 0.4)
     robot.moves("/r/0.2/0", "L1")
     screen.types("/r/0.2/0\r")
     until(lambda: robot.renewed)
@@ -370,7 +373,8 @@ def test_a_terminal_that_is_not_read_stops_what_it_holds(robot, screen, monkeypa
     wording(*robot.stopped)
 
 
-def test_a_terminal_whose_output_is_held_back_stops_what_it_holds(robot, screen):
+def test_a_terminal_whose_output_is_held_back_stops_what_it_holds(robot, screen, monkeypatch):
+    monkeypatch.setattr("lbr.console.terminal.STUCK_S", 0.4)
     robot.moves("/r/0.2/0", "L1")
     screen.types("/r/0.2/0\r")
     until(lambda: robot.renewed)
@@ -417,9 +421,7 @@ def test_a_reader_who_is_back_sees_a_whole_screen_and_how_much_was_left_out(robo
 
 
 def test_a_terminal_that_ceases_to_answer_stops_what_it_holds(robot, screen, monkeypatch, wording):
-    """A busy machine holds up the console or what reads it, and stops it too; here the answers alone count."""
-    monkeypatch.setattr("lbr.console.ear.FRESH_S", 30.0)
-    monkeypatch.setattr("lbr.console.terminal.STUCK_S", 30.0)
+    monkeypatch.setattr("lbr.console.ear.ANSWER_S", HANG_S)
     screen.answers = True
     screen.types("\x1b[7;9R")  # to the question at the start
     robot.moves("/r/0.2/0", "L1")
@@ -427,11 +429,13 @@ def test_a_terminal_that_ceases_to_answer_stops_what_it_holds(robot, screen, mon
     until(lambda: screen._seen.count(b"\x1b[6n") > 4)
     assert robot.stopped == []
     screen.answers = False
+    monkeypatch.setattr("lbr.console.ear.ANSWER_S", 1.0)
     until(lambda: robot.stopped)
     wording(*robot.stopped)
 
 
-def test_a_loop_that_hears_no_key_stops_what_it_holds(robot, screen, wording):
+def test_a_loop_that_hears_no_key_stops_what_it_holds(robot, screen, monkeypatch, wording):
+    monkeypatch.setattr("lbr.console.ear.FRESH_S", 0.5)
     robot.moves("/r/0.2/0", "L1")
     screen.types("/r/0.2/0\r")
     until(lambda: robot.renewed)
