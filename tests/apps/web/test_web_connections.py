@@ -186,7 +186,7 @@ def test_one_asker_cannot_take_every_place_to_watch():
 
         def watch(name: str = "") -> None:
             protocols = ["lbr.state", f"bearer.{name}.{SECRET}.{FINGERPRINT}"] if name else None
-            viewer = stack.enter_context(connect(url, subprotocols=protocols))
+            viewer = stack.enter_context(connect(url, subprotocols=protocols, max_queue=None))
             assert viewer.subprotocol == ("lbr.state" if name else None)
             viewer.recv(timeout=HANG_S)
 
