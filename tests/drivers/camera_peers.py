@@ -34,9 +34,11 @@ class PictureSocket:
         self.clients = 0
         self._plug()
 
-    def send(self, data: bytes, *, age_s: float = 0.0) -> None:
+    def send(self, data: bytes, *, age_s: float = 0.0) -> float:
+        """Send a picture, and return when it was taken."""
         taken_ns = time.monotonic_ns() - int(age_s * 1e9)
         self.send_raw(struct.pack("<IQ", len(data), taken_ns) + data)
+        return taken_ns / 1e9
 
     def send_raw(self, data: bytes) -> None:
         assert self.client is not None

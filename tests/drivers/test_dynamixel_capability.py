@@ -553,7 +553,7 @@ from lbr.drivers.dynamixel import KIND
 from lbr.drivers.dynamixel.capability import Dynamixel
 from lbr.messages.joints import Joint
 from lbr.messages.servos import ServoGoal, ServoSetpoint
-settings = '{"device": "servos", "hold_s": %s, "release_s": 0.3, "reply_margin_s": 0.05}' % sys.argv[2]
+settings = '{"device": "servos", "hold_s": %s, "release_s": 0.3, "reply_margin_s": 0.05, "guard_silence_ms": 1000}' % sys.argv[2]
 ctx = DriverContext(KIND, KIND.parse(settings), sys.argv[1], "dynamixel")
 ctx.wired["setpoint"] = ("joints",)
 ctx.given = tuple(
@@ -593,7 +593,7 @@ def driving(tty):
 
 
 def test_when_the_driver_hangs_its_guard_holds_the_servos_then_lets_them_go(tty, driving):
-    process = driving(0.1)
+    process = driving(1.0)  # the guard gives up servos that it cannot read by then
     tty.log.clear()
     process.send_signal(signal.SIGSTOP)
     until(lambda: not any(servo.torque for servo in tty.servos.values()))

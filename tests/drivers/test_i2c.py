@@ -1,6 +1,7 @@
 import errno
 import io
 import os
+from contextlib import closing
 
 import pytest
 from hypothesis import given
@@ -12,6 +13,7 @@ from lbr.drivers.i2c_bus import Read, Write, encode_transaction
 from lbr.drivers.i2c_socket import SocketBus
 from lbr.errors import DeviceError
 from tests.drivers.i2c_peer import Server, device, read_request
+from tests.support.waiting import HANG_S
 
 addresses = st.integers(0, 127)
 writes = st.builds(Write, addresses, st.binary(max_size=40))
@@ -27,7 +29,7 @@ def peer(tmp_path):
 
 @pytest.fixture
 def bus(peer, tmp_path):
-    bus = SocketBus(str(tmp_path / "bus"), deadline_s=0.3)  # a peer that is held up
+    bus = SocketBus(str(tmp_path / "bus"), deadline_s=HANG_S)
     yield bus
     bus.close()
 
@@ -110,13 +112,14 @@ def test_an_absent_device_has_the_errno_of_a_pi_and_the_bus_goes_on(bus, peer):
 @pytest.mark.parametrize(
     "answer", [None, b"", b"\0", b"\0abc"], ids=["nothing", "no bytes", "no data", "half of the data"]
 )
-def test_a_peer_that_stalls_costs_its_deadline_and_the_next_call_connects_anew(bus, peer, answer):
+def test_a_peer_that_stalls_costs_its_deadline_and_the_next_call_connects_anew(peer, tmp_path, answer):
     usual, peer.answer = peer.answer, lambda _messages: answer
-    with pytest.raises(OSError, match="timed out") as err:
-        bus.read_i2c_block_data(0x68, 0x3B, 14)
-    assert err.value.errno == errno.ETIMEDOUT
-    peer.answer = usual
-    assert bus.read_byte_data(0x68, 0x75) == 7
+    with closing(SocketBus(str(tmp_path / "bus"), deadline_s=0.1)) as bus:
+        with pytest.raises(OSError, match="timed out") as err:
+            bus.read_i2c_block_data(0x68, 0x3B, 14)
+        assert err.value.errno == errno.ETIMEDOUT
+        peer.answer, bus._deadline_s = usual, HANG_S
+        assert bus.read_byte_data(0x68, 0x75) == 7
 
 
 @pytest.mark.parametrize("answer", [b"\0" + bytes(15), b"\0" + bytes(40), b"\x79\0", b"\x79" + bytes(20)])
@@ -128,7 +131,8 @@ def test_a_peer_out_of_step_is_left(bus, peer, answer):
     assert bus.read_byte_data(0x68, 0x75) == 7
 
 
-def test_a_peer_that_leaves_is_a_device_that_is_gone_until_it_is_back(tmp_path):
+def test_a_peer_that_leaves_is_a_device_that_is_gone_until_it_is_back(tmp_path, monkeypatch):
+    monkeypatch.setattr(SocketBus.__init__, "__defaults__", (None, HANG_S))
     for again in (False, True):
         server = Server(tmp_path / "bus", lambda _messages: b"\0\x07")
         if not again:

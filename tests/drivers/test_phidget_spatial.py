@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from lbr.capability.context import Device
 from lbr.drivers.phidget_spatial import KIND, capability
-from lbr.drivers.phidget_spatial.capability import MOST_ALIKE
+from lbr.drivers.phidget_spatial.capability import MOST_ALIKE, SILENT_S
 from lbr.drivers.phidget_spatial.emulated import EmulatedSpatial
 from lbr.drivers.phidget_spatial.library import Spatial, find
 from lbr.drivers.phidget_spatial.readings import DeviceClock, Reading, sample, scaled
@@ -25,7 +25,7 @@ from lbr.simulation.twins.base import Surroundings
 from lbr.testing import FakeCall
 from tests.drivers.peers import DriverContext
 from tests.support import needs
-from tests.support.waiting import HANG_S
+from tests.support.waiting import HANG_S, until
 
 FELT = ImuReading(gyro_rps=(0.5, -0.25, 2.0), accel_mps2=(1.0, -2.0, 9.5), mag_ut=(20.0, -5.0, -43.0))
 TURNING = (0.5, -0.25, 2.0)
@@ -35,12 +35,17 @@ class World:
     """Serves the emulated unit, which feels some noise, until it is told to end."""
 
     def __init__(self, place):
-        self.felt = FELT
+        self.felt, self._next, self.moved_s = FELT, None, 0.0
         self.twin = PhidgetSpatialTwin(Device("imu", "phidget_spatial", f"unix:{place}", {}), Surroundings(1, 0.0))
         self.twin.service(time.monotonic())
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
+
+    def move(self, felt):
+        """Have it feel something else from the end of a round on."""
+        self._next = felt
+        until(lambda: self._next is None)
 
     def end(self):
         self._ending.set()
@@ -54,6 +59,8 @@ class World:
             x, y, z = self.felt.accel_mps2
             self.twin.feel(ImuReading(**{**_fields(self.felt), "accel_mps2": (x, y, z + rounds % 89 / 1e5)}), 0.0)
             self.twin.service(time.monotonic())
+            if self._next is not None:
+                self.felt, self._next, self.moved_s = self._next, None, time.monotonic()
 
 
 def _fields(reading):
@@ -73,7 +80,8 @@ def ctx(tmp_path):
 
 
 @pytest.fixture
-def imu(ctx, world):
+def imu(ctx, world, monkeypatch):
+    monkeypatch.setattr(capability, "SILENT_S", HANG_S)  # how soon a thread of the unit gets to run is another matter
     imu = KIND.load()(ctx)
     imu.open()
     yield imu
@@ -118,12 +126,11 @@ def test_a_unit_that_lies_still_measures_25_times_a_second_until_it_is_moved(imu
     intervals = Intervals(imu, ctx)
     intervals.until(0.04)
     assert imu.rate_hz == 5.0
-    world.felt = ImuReading(gyro_rps=(0.0, 0.0, 1.0), accel_mps2=FELT.accel_mps2, mag_ut=FELT.mag_ut)
-    moved = time.monotonic()
+    world.move(ImuReading(gyro_rps=(0.0, 0.0, 1.0), accel_mps2=FELT.accel_mps2, mag_ut=FELT.mag_ut))
     intervals.until(0.004)
     assert imu.rate_hz == 125.0
     first = next(one for _, one in ctx.published if one.gyro_rps == pytest.approx((0.0, 0.0, 1.0)))
-    assert first.time_s >= moved - 0.05
+    assert first.time_s >= world.moved_s - 0.05
 
 
 class Intervals:
@@ -156,9 +163,10 @@ def test_a_fault_is_told_and_nothing_is_made_up(imu, ctx, world, fault, reason):
 
 
 @pytest.mark.parametrize(("fault", "said"), [("unplug", "was unplugged"), ("silent", "fallen silent")])
-def test_a_unit_that_is_gone_or_silent_is_opened_anew(imu, ctx, world, fault, said):
+def test_a_unit_that_is_gone_or_silent_is_opened_anew(imu, ctx, world, fault, said, monkeypatch):
     samples(imu, ctx, lambda one: one.valid)
     world.twin.fault(fault, True)
+    monkeypatch.setattr(capability, "SILENT_S", SILENT_S)
     with pytest.raises(DeviceError, match=said):
         samples(imu, ctx, lambda one: False)
     imu.close()
@@ -183,8 +191,7 @@ def test_a_world_that_halts_for_a_moment_looks_like_no_frozen_unit():
     assert 0 < len(unit.records(5.0)) // RECORD.size < MOST_ALIKE
 
 
-def test_the_gyro_is_zeroed_only_while_it_lies_still(imu, ctx, world, monkeypatch):
-    monkeypatch.setattr(capability, "SILENT_S", HANG_S)  # how soon a thread of the unit gets to run is another matter
+def test_the_gyro_is_zeroed_only_while_it_lies_still(imu, ctx, world):
     samples(imu, ctx, lambda one: one.valid)
     call = FakeCall("zero", ZeroCommand())
     imu.command(call)

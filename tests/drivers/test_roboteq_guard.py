@@ -26,7 +26,8 @@ from lbr.drivers.guard import Guard
 from lbr.drivers.roboteq import KIND
 from lbr.drivers.roboteq.capability import Roboteq
 from lbr.messages.motors import MotorSetpoint
-ctx = DriverContext(KIND, KIND.parse('{"device": "motors"}'), sys.argv[1], "roboteq")
+row = '{"device": "motors", "setpoint_valid_s": 0.25, "reply_timeout_s": 0.1, "watchdog_ms": 250, "guard_silence_ms": 240}'
+ctx = DriverContext(KIND, KIND.parse(row), sys.argv[1], "roboteq")
 motors = Roboteq(ctx)
 motors.open()
 print(motors._guard.pid, flush=True)

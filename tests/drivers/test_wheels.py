@@ -8,6 +8,7 @@ import sys
 import threading
 import tty
 from contextlib import suppress
+from itertools import count
 from pathlib import Path
 
 import pytest
@@ -26,12 +27,13 @@ import sys, time
 from tests.drivers.peers import DriverContext
 from tests.drivers.tiny_wheels import FOUR, KIND, Quad
 from lbr.messages.motors import MotorSetpoint
-ctx = DriverContext(KIND, KIND.parse('{"device": "motors"}'), sys.argv[1], "tiny")
+row = '{"device": "motors", "setpoint_valid_s": 0.25, "guard_silence_ms": 250}'
+ctx = DriverContext(KIND, KIND.parse(row), sys.argv[1], "tiny")
 motors = Quad(ctx)
 motors.open()
 while True:
     power = 0.5 * ctx.published[-1][1].armed
-    ctx.give(MotorSetpoint(left=power, right=power, lease="L1", motors=dict.fromkeys(FOUR, power)))
+    ctx.give(MotorSetpoint(left=power, right=power, motors=dict.fromkeys(FOUR, power)))
     motors.step()
     time.sleep(0.01)
 """
@@ -129,10 +131,17 @@ def test_only_a_zero_arms_and_silence_stops(motors, ctx, peer):
     ctx.give(MotorSetpoint(left=0.5, right=0.5, lease="L1"))
     motors.step()
     assert peer.motor == (0, 0)
-    for power in (0.0, 0.5):
-        ctx.give(MotorSetpoint(left=power, right=power, lease="L1"))
-        motors.step()
-    until(lambda: peer.motor == (500, 500))
+    leases = count(1)
+
+    def turns():
+        """A lease dies where a busy machine holds up what moves."""
+        lease = f"L{next(leases)}"
+        for power in (0.0, 0.5):
+            ctx.give(MotorSetpoint(left=power, right=power, lease=lease))
+            motors.step()
+        return peer.motor == (500, 500)
+
+    until(turns)
     assert ctx.state.voltage_v == 12.0
 
     def stopped():
