@@ -19,7 +19,7 @@ from lbr.bus import session, wire
 from lbr.bus.access import Limits
 from lbr.errors import BusError
 from tests.support import programs
-from tests.support.waiting import HANG_S, until
+from tests.support.waiting import HANG_S, STOPS_S, until
 
 QUESTIONS = 500
 ANSWER_BYTES = 10_000
@@ -139,7 +139,7 @@ def test_many_questions_at_once_are_answered_by_a_process_that_only_leafs(endpoi
     answers: list[zenoh.Reply] = []
     with session.open_client([endpoint]) as bus:
         for _ in range(QUESTIONS):
-            bus.get("robot/drive/state", zenoh.handlers.Callback(answers.append, indirect=False), timeout=8.0)
+            bus.get("robot/drive/state", zenoh.handlers.Callback(answers.append, indirect=False), timeout=HANG_S)
         until(lambda: len(answers) > QUESTIONS // 2, what="most are answered")
 
 
@@ -156,7 +156,7 @@ def test_who_asks_from_another_machine_and_does_not_listen_holds_up_nobody(endpo
         until(lambda: deaf.cut_off, what="it is cut off")
         states.take()
         worst_s = max(json.loads(raw.payload)["worst_s"] for raw in until(states.take, what="what the leaf publishes"))
-    assert worst_s < 2.0
+    assert worst_s < STOPS_S
 
 
 def test_a_client_of_this_machine_that_is_held_up_for_a_second_still_gets_its_answer(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from lbr.bus.access import Credentials, Rights
 from lbr.errors import BusError
 from lbr.leases import over_session
 from lbr.messages.leases import CommandReply
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 
 @pytest.fixture(scope="module")
@@ -387,7 +387,7 @@ def test_who_may_not_serve_a_command_is_not_asked_and_who_may_not_ask_is_not_ans
         impostor = wire.ComputedReply(drive, "r/motors/go", lambda: {"accepted": False})
         with enter(guarded, "tools") as tools:
             for _ in range(5):
-                (reply,) = wire.ask(tools, "r/motors/go", {}, source="tools", timeout_s=0.5)
+                (reply,) = wire.ask(tools, "r/motors/go", {}, source="tools", timeout_s=HANG_S)
                 assert json.loads(reply.payload) == {"accepted": True}
         assert wire.ask(motors, "r/drive/go", {}, source="motors", timeout_s=0.2) == []
         assert answers

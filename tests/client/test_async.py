@@ -7,8 +7,8 @@ import pytest
 
 from lbr import client
 from lbr.client import aio
-from tests.client.wheels import turning, wheels
-from tests.support.waiting import until
+from tests.client.wheels import NOT_YET, turning, wheels
+from tests.support.waiting import HANG_S, until
 
 
 @asynccontextmanager
@@ -21,11 +21,11 @@ async def connected():
 
 async def begun(robot, motion):
     """Begin a motion, once the base is armed again after what was before."""
-    for _ in range(100):
+    for _ in range(round(HANG_S / 0.05)):
         try:
             return await motion().__aenter__()
         except client.RefusalError as error:
-            if error.code not in {"not_armed", "no_setpoint", "held", "stale_sensor"}:
+            if error.code not in NOT_YET:
                 raise
             await asyncio.sleep(0.05)
     raise AssertionError("it never began")
@@ -33,7 +33,7 @@ async def begun(robot, motion):
 
 async def soon(look):
     """Wait until it is so; it looks in a thread, since a query of the bus would hold up what the loop renews."""
-    for _ in range(500):
+    for _ in range(round(HANG_S / 0.01)):
         if await asyncio.to_thread(look):
             return
         await asyncio.sleep(0.01)
@@ -108,7 +108,7 @@ async def _said(robot, line):
         try:
             return await robot.say(line, hold_s=30)
         except client.RefusalError as error:
-            if error.code not in {"not_armed", "no_setpoint", "held", "stale_sensor"}:
+            if error.code not in NOT_YET:
                 raise
             await asyncio.sleep(0.05)
 
@@ -146,7 +146,7 @@ def test_a_motion_of_the_blocking_robot_is_kept_while_its_program_waits_and_no_l
         try:
             return robot.drive(0.1, 180, at_most_s=1.5).__enter__()
         except client.RefusalError as error:
-            if error.code not in {"not_armed", "no_setpoint", "held", "stale_sensor"}:
+            if error.code not in NOT_YET:
                 raise
             return None
 

@@ -9,23 +9,26 @@ from contextlib import ExitStack
 import pytest
 
 from lbr import client
-from tests.client.wheels import turning, wheels
+from tests.client.wheels import HELD_UP, NOT_YET, turning, wheels
 from tests.support import programs
 from tests.support import robot as robots
 from tests.support.waiting import until
 
 PATIENT = {"ttl_s": 1.0}
 """The longest life of a lease: the machine may hold up a test."""
-HELD_UP = {"lapsed", "dead_lease", "not_armed", "no_setpoint", "holder_gone", "stale_sensor"}
-"""How a turn ends or is refused whose robot or client the machine holds up."""
 DRIVING = """
 import time
 import lbr_client as client
 
-with client.connect() as robot, robot.borrow("drive/command", power=0.15, angle_deg=180, ttl_s=1.0) as motion:
-    print("drives", flush=True)
-    while motion.keep():
-        time.sleep(0.02)
+with client.connect() as robot:
+    while True:
+        try:
+            with robot.borrow("drive/command", power=0.15, angle_deg=180, ttl_s=1.0) as motion:
+                print("drives", flush=True)
+                while motion.keep():
+                    time.sleep(0.02)
+        except client.RefusalError:  # the machine has held it up
+            time.sleep(0.05)
 """
 
 
@@ -36,11 +39,26 @@ def borrowed(robot, key="drive/command", **message):
         try:
             return robot.borrow(key, **message, **PATIENT)
         except client.RefusalError as error:
-            if error.code not in {"not_armed", "no_setpoint", "held", "stale_sensor"}:
+            if error.code not in NOT_YET:
                 raise
             return None
 
     return until(begun)
+
+
+def turns(robot, running):
+    """Borrow a motion until the wheels turn by it."""
+
+    def turned():
+        motion = borrowed(robot, power=0.1, angle_deg=180)
+        try:
+            return until(lambda: motion.keep() and turning(running)) and motion
+        except client.RefusalError as error:
+            if error.code not in HELD_UP:
+                raise
+            return None
+
+    return until(turned)
 
 
 def test_it_finds_the_robot_that_runs_here_and_looks_at_it(robot):
@@ -95,8 +113,7 @@ def test_what_is_no_number_is_named_before_it_is_sent(robot, power):
 
 
 def test_borrowed_motion_goes_on_while_it_is_kept_changes_and_ends_with_its_with(robot, running):
-    with borrowed(robot, power=0.1, angle_deg=180) as motion:
-        until(lambda: motion.keep() and turning(running))
+    with turns(robot, running) as motion:
         first = wheels(running)
         until(lambda: motion.keep(power=0.2) and abs(wheels(running)[0]) > abs(first[0]) + 0.05)
     until(lambda: wheels(running) == (0.0, 0.0))
@@ -106,8 +123,7 @@ def test_borrowed_motion_goes_on_while_it_is_kept_changes_and_ends_with_its_with
 
 
 def test_motion_that_is_not_kept_lapses_and_says_so(robot, running):
-    motion = borrowed(robot, power=0.1, angle_deg=180)
-    until(lambda: motion.keep() and turning(running))
+    motion = turns(robot, running)
     until(lambda: wheels(running) == (0.0, 0.0))  # nothing of ours runs meanwhile
     with pytest.raises(client.RefusalError) as ended:
         until(lambda: not motion.keep())
@@ -116,15 +132,21 @@ def test_motion_that_is_not_kept_lapses_and_says_so(robot, running):
 
 
 def test_a_move_with_an_end_is_waited_for(robot):
-    with borrowed(robot, "drive/turn", angle_deg=-20.0) as motion:
-        motion.wait()
-        assert motion.done
+    def turned():
+        with borrowed(robot, "drive/turn", angle_deg=-20.0) as motion:
+            try:
+                motion.wait()
+            except client.RefusalError as error:
+                if error.code not in HELD_UP:
+                    raise
+            return motion.done
+
+    until(turned)
 
 
 def test_another_ones_stop_and_the_emergency_stop_end_it_with_their_code(robot, running):
     for line, codes in (("s", {"stopped"}), ("estop", {"estop"})):
-        with borrowed(robot, power=0.1, angle_deg=180) as motion:
-            until(lambda motion=motion: motion.keep() and turning(running))
+        with turns(robot, running) as motion:
             assert running.say(line)["code"] == 0
             with pytest.raises(client.RefusalError) as ended:
                 until(lambda motion=motion: not motion.keep())

@@ -18,6 +18,7 @@ from lbr.errors import RowError
 from lbr.messages.calibration import CalibrationValue, measured
 from lbr.messages.system import Event
 from tests.support import databases, programs
+from tests.support.waiting import HANG_S
 
 
 def test_rows_come_as_they_stand(database, client):
@@ -210,7 +211,7 @@ def test_another_program_edits_a_hundred_times_a_second_while_we_read_and_write(
     def edit() -> None:
         nonlocal edits
         try:
-            with closing(sqlite3.connect(path, timeout=1.0, isolation_level=None)) as other:
+            with closing(sqlite3.connect(path, timeout=HANG_S, isolation_level=None)) as other:
                 while not enough.wait(0.005):
                     other.execute("BEGIN IMMEDIATE")
                     other.execute("UPDATE capability SET help = ? WHERE name = 'drive'", (str(edits),))

@@ -16,7 +16,7 @@ import pytest
 
 from tests.support import programs
 from tests.support.robot import Robot, prepare, running
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 pytestmark = [pytest.mark.slow_start]
 
@@ -147,10 +147,14 @@ def test_a_motion_is_played_to_its_end_and_what_the_joints_reached_they_hold(rob
     assert "torque on first" in robot.ask("motions/play", {"motion": "swing"})["reason"]
     until(lambda: robot.ask("joints/torque", {"on": True})["accepted"], what="torque is on")
     with plays(robot, motion="swing", times=2, speed=3.0) as popen:
-        assert popen.wait(20.0) == 0
+        assert popen.wait(HANG_S) == 0
     assert "'swing' was played 2 times to its end" in newest_result(robot)
-    measured = robot.ask("joints/state")["joints"]
-    assert {name: measured[name]["position_rad"] for name in POSES[1]} == pytest.approx(POSES[1], abs=0.06)
+
+    def measured() -> dict[str, float]:
+        joints = robot.ask("joints/state")["joints"]
+        return {name: joints[name]["position_rad"] for name in POSES[1]}
+
+    until(lambda: measured() == pytest.approx(POSES[1], abs=0.06), what="the pose of its last step")
     assert phase(robot) == "following"
     assert stays(robot)
 
@@ -159,8 +163,9 @@ def test_a_killed_player_stops_the_motion_and_its_servos_are_left_to_the_driver(
     halts = robot.ask("servos/state")["halt"]
     player.kill()
     until(lambda: robot.ask("servos/state")["halt"] > halts)
+    until(lambda: phase(robot) == "holding")
     assert stays(robot)
-    assert "lapsed" in newest_result(robot)
+    until(lambda: "lapsed" in newest_result(robot))
     assert phase(robot) == "holding"
     assert idle(robot)
 
@@ -169,7 +174,7 @@ def test_killed_motions_leave_their_servos_to_the_driver_and_do_not_go_on(robot,
     os.kill(robot.capability("motions")["pid"], signal.SIGKILL)
     until(lambda: phase(robot) == "holding")
     until(lambda: idle(robot))
-    assert player.wait(20.0) is not None
+    assert player.wait(HANG_S) is not None
     assert stays(robot)
     assert phase(robot) == "holding"
 

@@ -9,6 +9,7 @@ from dbus_fast import BusType, Message, MessageType
 from dbus_fast.aio import MessageBus
 
 from tests.support import needs, programs
+from tests.support.waiting import HANG_S
 
 CONFIG = """<!DOCTYPE busconfig PUBLIC "-//freedesktop//DTD D-Bus Bus Configuration 1.0//EN"
  "http://www.freedesktop.org/standards/dbus/1.0/busconfig.dtd">
@@ -40,7 +41,7 @@ class Logind:
         self._there = threading.Event()
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
-        assert self._there.wait(5.0)
+        assert self._there.wait(HANG_S)
 
     def finish(self) -> None:
         self._loop.call_soon_threadsafe(self._loop.stop)
