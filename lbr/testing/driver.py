@@ -30,8 +30,8 @@ BAD_SHARE = 0.3
 POWER = 0.2
 Powers = float | Mapping[str, float]
 """The power of all wheels, or of each motor by its name; others stand still."""
-STOPS_WITHIN_S = 1.0
-"""Longer than any controller's own watchdog, on a busy machine."""
+STOPS_WITHIN_S = 2.0
+"""Longer than any controller's own watchdog, on a busy machine that holds up its guard."""
 
 
 class RealTimeContext(FakeContext):

@@ -44,7 +44,9 @@ def expanded(word: str) -> set[str]:
 @cache
 def groups() -> dict[str, set[str]]:
     """Return what is in each group of system calls: names and other groups."""
-    shown = programs.run(["systemd-analyze", "syscall-filter"], capture_output=True, text=True, check=True, timeout=5)
+    shown = programs.run(
+        ["systemd-analyze", "syscall-filter"], capture_output=True, text=True, check=True, timeout=HANG_S
+    )
     found: dict[str, set[str]] = {}
     for line in shown.stdout.splitlines():
         if line.startswith("@"):
