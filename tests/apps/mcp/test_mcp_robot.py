@@ -9,7 +9,7 @@ import pytest
 from tests.apps.mcp.conftest import SPIN, agent, turning
 from tests.support import needs
 from tests.support import robot as robots
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 needs.modules("mcp")
 from mcp import Client  # noqa: E402 - an extra
@@ -23,13 +23,26 @@ from lbr.apps.mcp.server import McpServer  # noqa: E402
 from lbr.client import aio  # noqa: E402
 
 NAMED = Implementation(name="a test", version="1")
+AGAIN = {
+    "not_armed",
+    "no_setpoint",
+    "held",
+    "stale_sensor",
+    "busy",
+    "late",
+    "lapsed",
+    "dead_lease",
+    "holder_gone",
+    "stopped_since",
+}
+"""After these a motion is to be asked for again: the base is not armed yet, or a busy machine held somebody up."""
 pytestmark = pytest.mark.slow_start
 
 
 class Present:
     """The pulse of a client in this process."""
 
-    patience_s = 1.0
+    patience_s = HANG_S
 
     def why_not(self):
         return ""
@@ -89,10 +102,11 @@ def with_tools(work, rules=None, pulse=Present, **options):
 
 
 async def driven(call, **how):
-    """Drive, once the base is armed again after what was before; on a busy machine a command may come too late."""
+    """Drive, once the base is armed again after what was before; on a busy machine a command may come too late, and a
+    lease may lapse."""
     for _ in range(100):
         answer = await call("drive", **how)
-        if answer["code"] not in {"not_armed", "no_setpoint", "held", "stale_sensor", "busy", "late"}:
+        if answer["code"] not in AGAIN or SILENT in answer["text"]:
             return answer
         await asyncio.sleep(0.05)
     raise AssertionError(answer)
@@ -123,7 +137,10 @@ def test_tools_look_drive_and_are_written_down_by_name(running, home):
             assert answer["text"]
         assert (await call("why", part="drive"))["text"]
         assert (await call("stop"))["code"] == "done"
-        assert (await call("estop", reason="a test"))["code"] == "done"
+        pressed = await call("estop", reason="a test")
+        assert pressed["code"] == "done" or running.status()["estop"]["engaged"], (
+            pressed
+        )  # it may be acknowledged later
         assert (await call("drive", power=0.1, angle_deg=0))["code"] == "estop"
 
     with_tools(work)
@@ -172,7 +189,7 @@ def test_a_plan_moves_nothing_and_is_good_once_a_person_lets_it(running, home):
         assert "free_cm" in plan["data"]
         assert not turning(running)
         done = await call("do", plan=plan["data"]["plan"])
-        assert done["code"] in {"done", "not_armed", "no_setpoint", "stale_sensor"}
+        assert done["code"] in {"done", *AGAIN}
         assert (await call("do", plan=plan["data"]["plan"]))["code"] == "late"
         over = await call("preview", tool="drive", arguments={"power": 0.9, "angle_deg": 0})
         assert over["code"] == "bad_value"
@@ -185,8 +202,9 @@ def test_a_person_stops_an_agent_and_it_is_told_by_whom(running, home):
         driving = asyncio.ensure_future(driven(call, **SPIN))
         while not await asyncio.to_thread(turning, running):
             assert not driving.done(), driving.result()
-        await asyncio.to_thread(person.stop)
-        answer = await driving
+        while not driving.done():  # where it lapsed before, it has been asked for again
+            await asyncio.to_thread(person.stop)
+        answer = driving.result()
         assert answer["code"] == "stopped"
         assert answer["do"]
         assert "anna@" in answer["text"]
@@ -198,6 +216,8 @@ def test_a_person_stops_an_agent_and_it_is_told_by_whom(running, home):
 
 def test_an_agent_whose_client_shows_no_sign_of_life_moves_nothing(running, home):
     class Silent(Present):
+        patience_s = 1.5
+
         async def follow(self, beat):
             await asyncio.Event().wait()
 
