@@ -151,8 +151,8 @@ def robot(tmp_path_factory, port):
 
 @pytest.fixture
 def url(robot, port):
-    until(lambda: robot.ask("drive/state")["holder"] is None, what="standing still")
-    until(lambda: robot.ask("motors/state")["armed"], what="motors that would turn")
+    until(lambda: drive(robot)["holder"] is None, what="standing still")
+    until(lambda: (robot.ask("motors/state") or {}).get("armed"), what="motors that would turn")
     return f"ws://127.0.0.1:{port}/"
 
 
@@ -228,7 +228,7 @@ def fields(client, name):
 
 def test_a_goal_of_a_word_goes_on_while_its_client_is_there_and_ends_with_it(url, robot):
     client = Foxglove(url)
-    until(lambda: robot.ask("attitude/state")["valid"], what="the attitude that a turn goes by")
+    until(lambda: (robot.ask("attitude/state") or {}).get("valid"), what="the attitude that a turn goes by")
     angle = dict.fromkeys(fields(client, "/t"), "350")
 
     def outlives_a_lease():
@@ -259,14 +259,15 @@ class Publishing(threading.Thread):
                 self.client.push(0.2)
 
     def drives(self):
-        """Look whether it drives; where a motion lapsed, let the stick rest before it is pushed again."""
+        """Return who drives while it moves; where a motion lapsed, let the stick rest before it is pushed again."""
         self.client.hear(0.05)
         if any("[" in one for one in self.client.statuses):
             self.client.statuses.clear()
             self._rests.set()
             self._over.wait(RESTS_S)
             self._rests.clear()
-        return moves(self.robot)
+        state = drive(self.robot)
+        return state["moving"] and state["holder"]
 
     def close(self):
         self._over.set()
@@ -276,8 +277,7 @@ class Publishing(threading.Thread):
 def test_who_publishes_a_twist_drives_until_it_is_not_published_on(client, robot):
     client.say(**TWIST)
     with closing(Publishing(client, robot)) as stick:
-        until(stick.drives, what="driving")
-        assert drive(robot)["holder"].startswith("web:")
+        assert until(stick.drives, what="driving").startswith("web:")
     stands(robot)
 
 

@@ -88,7 +88,7 @@ def robot(tmp_path_factory, broker, person, service):
         (credentials / name).chmod(0o600)
     assert here(home, "token", "add", "home", "--role", "operate").returncode == 0
     with running(home) as robot:
-        until(lambda: asked(robot, "mqtt/state")["connected"], what="the broker")
+        until(lambda: asked(robot, "mqtt/state").get("version") is not None, what="the broker and the shadow")
         yield robot
     assert all(set(update["state"]) == {"reported"} for update in service.updates)
 
@@ -240,12 +240,18 @@ def test_a_table_runs_when_asked_and_a_stop_from_there_ends_it(robot, person):
 
 
 def test_a_stop_in_a_flood_of_other_messages_ends_what_moves(robot, person):
-    begin_motion(robot, person)
     flood = [f"{TOPIC}/ask/nothing"] * FLOOD
-    for topic in (*flood, f"{TOPIC}/ask/stop", *flood):
-        person.client.publish(topic, "PRESS", qos=0)
-    rests(robot)
-    assert asked(robot, "drive/result")["reason"] == "stopped by mqtt: stopped by 'stop'"
+
+    def ended():
+        """Return how a motion ended; on a busy machine its lease may lapse before the stop."""
+        begin_motion(robot, person)
+        for topic in (*flood, f"{TOPIC}/ask/stop", *flood):
+            person.client.publish(topic, "PRESS", qos=0)
+        rests(robot)
+        return asked(robot, "drive/result")
+
+    result = until(lambda: (one := ended())["code"] != "lapsed" and one, what="a motion that is stopped")
+    assert result["reason"] == "stopped by mqtt: stopped by 'stop'"
 
 
 def test_when_the_sender_is_killed_the_robot_stops_by_its_lease_and_is_told_to_be_gone(robot, person):
@@ -287,8 +293,8 @@ def test_a_broker_that_is_killed_stops_what_it_asked_for_and_is_found_again(robo
     begin_motion(robot, person)
     broker.kill()
     until(lambda: not drive(robot)["moving"], what="its stop", limit_s=STOPS_S)
-    told = until(lambda: (one := robot.capability("mqtt"))["phase"] == "degraded" and one, what="the loss")
-    assert f"the broker localhost:{broker.port}: " in told["reason"]
+    loss = f"the broker localhost:{broker.port}: "
+    until(lambda: (one := robot.capability("mqtt"))["phase"] == "degraded" and loss in one["reason"], what="the loss")
     broker.start()
     until(lambda: asked(robot, "mqtt/state")["connections"] > before, what="the broker again")
     until(lambda: robot.capability("mqtt")["phase"] == "ready", what="its health")
