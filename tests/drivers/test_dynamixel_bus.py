@@ -28,7 +28,7 @@ def on(chain):
 
 @pytest.fixture
 def wired(tty):
-    with open_bus(str(tty.path), margin_s=0.2) as bus:  # a chain that is held up
+    with open_bus(str(tty.path), margin_s=HANG_S) as bus:
         yield bus
 
 
@@ -54,7 +54,7 @@ def test_it_finds_reads_and_writes_servos(chain, bus):
 
 
 def test_servos_are_looked_for_at_each_speed_on_request(tty, monkeypatch):
-    patient = lambda path, **given: open_bus(path, **{**given, "margin_s": 0.2})  # noqa: E731 - a peer that is held up
+    patient = lambda path, **given: open_bus(path, **{**given, "margin_s": 0.5})  # noqa: E731 - a peer that is held up
     monkeypatch.setattr(setup, "open_bus", patient)
     found = list(find_servos(str(tty.path), (1_000_000, 57_600), (1, 3, 9)))
     assert found[:2] == [(1_000_000, 1), (1_000_000, 3)]
@@ -148,7 +148,7 @@ def test_a_line_is_for_one_process_alone_and_says_where_it_went(tty, wired):
     with pytest.raises(DeviceError, match="missing"):
         open_bus(str(tty.path))
     tty.plug()
-    with open_bus(str(tty.path), margin_s=0.05) as other:
+    with open_bus(str(tty.path), margin_s=HANG_S) as other:
         assert other.read_motion(1).position == 513
 
 

@@ -59,6 +59,7 @@ def test_an_emergency_stop_is_written_to_a_babbling_controller_and_never_called_
     began = time.monotonic()
     with pytest.raises(DeviceError, match="babbles"):
         until(motors.step)
+    until(lambda: "!EX" in peer.log, what="the stop, which its thread reads")
     assert peer.times[peer.log.index("!EX")] - began < STOPS_S
     assert not any(stopped for stopped, _ in ctx.estop.acknowledged)
 
