@@ -9,17 +9,17 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from tests.support.robot import Robot, prepare, running
-from tests.support.waiting import HANG_S
+from tests.support.waiting import HANG_S, until
 
 MOVERS = ("motors", "servos", "drive", "joints", "motions")
 Ask = Callable[[Robot], str]
 
 
 def line(text: str) -> Ask:
-    """Return a line of the console; it returns why that was refused, or nothing."""
+    """Return a line of the console, sent again while it comes late; it returns why that was refused, or nothing."""
 
     def ask(robot: Robot) -> str:
-        answer = robot.line(text)
+        answer = until(lambda: (said := robot.line(text))["reason_code"] != "late" and said)
         return "" if answer["code"] == 0 else f"{text}: {answer['reason_code']}: {answer['text']}"
 
     return ask

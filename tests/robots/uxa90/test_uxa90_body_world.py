@@ -99,7 +99,7 @@ def test_a_button_of_the_remote_control_moves_it_and_a_picture_shows_it(stage, t
     assert stage.ctx.health == []
     assert stage.until(lambda: stage.ctx.said("pose"))
     assert not stage.ctx.said("pose")[-1].stands
-    with serial.Serial(str(stage.line), 115_200, timeout=5, exclusive=True) as tty:
+    with serial.Serial(str(stage.line), 115_200, timeout=HANG_S, exclusive=True) as tty:
         tty.write(BUTTON + bytes((NOD, NOD)))
         assert tty.read(8) == BUTTON[:8], "it answers when the motion is over"
     assert stage.until(lambda: stage.ctx.said("pose")[-1].joints["head_pitch"] == pytest.approx(0.43, abs=0.06))

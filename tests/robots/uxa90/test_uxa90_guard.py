@@ -72,7 +72,7 @@ def test_a_driver_that_hangs_is_killed_and_its_guard_holds_the_servos_then_brake
 def test_the_guard_of_a_killed_driver_ends_what_the_main_board_plays_and_a_new_driver_takes_the_line_from_it(board):
     from tests.robots.uxa90.test_uxa90_capability import Rig
 
-    process = driving(board, '{"hold_s": 60.0}', "play")
+    process = driving(board, '{"hold_s": 60.0, "guard_silence_ms": 2000}', "play")
     assert board.mode == "normal"
     process.kill()
     until(lambda: board.mode == "pc")
