@@ -23,6 +23,8 @@ from tests.support.waiting import HANG_S, STOPS_S, until
 
 QUESTIONS = 500
 ANSWER_BYTES = 10_000
+PATIENT_MS = 3000
+"""Of a link: longer than a busy machine holds up an end of it."""
 MORE_THAN_A_SOCKET_HOLDS = 1000
 """So many answers; the kernel keeps up to 4 MB for a socket that nobody reads."""
 KEEP_ALIVE = b"\x01\x00\x04"
@@ -43,7 +45,7 @@ ASKER = f"""
 import sys
 import zenoh
 from lbr.bus import session
-bus = session.open_client(sys.argv[1:])
+bus = session.open_client(sys.argv[1:], lease_ms={PATIENT_MS})
 print("ready", flush=True)
 sys.stdin.readline()
 for _ in range({MORE_THAN_A_SOCKET_HOLDS}):
@@ -114,7 +116,7 @@ def endpoint(tmp_path: Path, port: int) -> Iterator[str]:
     """A router with a leaf process that publishes fifty times a second; it listens at a port, too."""
     inside = f"unixsock-stream/{tmp_path / 'bus.sock'}"
     limits = Limits(protocols=("tcp",), bytes=1000, keys=("robot/**",), puts_hz={"robot/drive/stop": 10.0})
-    router = session.Router(listen=(inside, f"tcp/127.0.0.1:{port}"), limits=limits)
+    router = session.Router(listen=(inside, f"tcp/127.0.0.1:{port}"), limits=limits, lease_ms=PATIENT_MS)
     with session.open_router(router), program(LEAF, inside):
         yield inside
 
