@@ -50,8 +50,7 @@ LOCAL_LEASE_MS = 10_000
 """The lease of links by a socket of this machine, where the kernel reports at once that a process has ended. On a busy
 machine a client of low rank was silent for 0.4 s, lost its link, and with it the answers under way."""
 HELD_MS = 3_600_000
-"""The lease of links between sessions of one process. Neither end can be gone without the other. Where both were held
-up and gave each other up, the router does not learn again who answers what."""
+"""The lease of a local router's links: if both ends give each other up, it does not learn again who answers what."""
 MAX_MESSAGE_BYTES = 1 << 20
 DEAF_AWAY_MS, DEAF_HERE_MS = 200, 400
 """A client that takes nothing is cut off then, because all others wait for it; on this machine it may be held up."""
@@ -77,7 +76,7 @@ class Router(Struct, frozen=True, kw_only=True):
 
     Without `users` it asks for no password. `links` are the rights of routers it connects to, by their `id`. Its
     questions on the keys `never_waiting` are dropped where they cannot go on at once, and so are the answers; with
-    `urgent_waits` except those at the highest priority.
+    `urgent_waits` except those at the highest priority. Without `lease_ms` the endpoints decide, as for a client.
     """
 
     listen: tuple[str, ...]
@@ -92,7 +91,7 @@ class Router(Struct, frozen=True, kw_only=True):
     limits: Limits | None = None
     never_waiting: tuple[str, ...] = ()
     urgent_waits: bool = False
-    lease_ms: int = LINK_LEASE_MS
+    lease_ms: int | None = None
 
 
 def open_router(router: Router) -> Session:
@@ -105,7 +104,8 @@ def open_router(router: Router) -> Session:
 
 def router_settings(router: Router, password: dict[str, str] | None = None) -> dict[str, Any]:
     """Return the configuration of a router in Zenoh's own words; `password` names the file of its users' passwords."""
-    settings = _common(router.credentials, password, lease_ms=router.lease_ms) | {
+    lease_ms = HELD_MS if all(one.startswith("unixsock-stream/") for one in router.listen) else LINK_LEASE_MS
+    settings = _common(router.credentials, password, lease_ms=router.lease_ms or lease_ms) | {
         "mode": "router",
         "listen": {"endpoints": list(router.listen), "exit_on_failure": True},
     }

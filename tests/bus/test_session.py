@@ -163,7 +163,7 @@ def test_who_asks_from_another_machine_and_does_not_listen_holds_up_nobody(endpo
 
 def test_a_client_of_this_machine_that_is_held_up_for_a_second_still_gets_its_answer(tmp_path: Path) -> None:
     endpoint = f"unixsock-stream/{tmp_path / 'bus.sock'}"
-    router = session.Router(listen=(endpoint,), lease_ms=session.HELD_MS)
+    router = session.Router(listen=(endpoint,))
     with session.open_router(router), session.open_client([endpoint]) as bus:
         requests: list[wire.Request] = []
         server = wire.QueryServer(bus, "robot/late", lambda: requests.extend(server.take()), source="test")
@@ -179,15 +179,18 @@ def test_a_client_of_this_machine_that_is_held_up_for_a_second_still_gets_its_an
 
 
 @pytest.mark.parametrize(
-    ("endpoints", "lease_ms"),
+    ("endpoints", "client_ms", "router_ms"),
     [
-        (["unixsock-stream//run/a.sock", "unixsock-stream//run/b.sock"], session.LOCAL_LEASE_MS),
-        (["tls/robot.local:7447"], session.LINK_LEASE_MS),
-        (["unixsock-stream//run/a.sock", "tcp/robot.local:7447"], session.LINK_LEASE_MS),
+        (["unixsock-stream//run/a.sock", "unixsock-stream//run/b.sock"], session.LOCAL_LEASE_MS, session.HELD_MS),
+        (["tls/robot.local:7447"], session.LINK_LEASE_MS, session.LINK_LEASE_MS),
+        (["unixsock-stream//run/a.sock", "tcp/robot.local:7447"], session.LINK_LEASE_MS, session.LINK_LEASE_MS),
     ],
 )
-def test_a_link_over_a_network_is_lost_soon_after_its_last_sign_of_life(endpoints: list[str], lease_ms: int) -> None:
-    assert session.client_settings(endpoints)["transport"]["link"]["tx"]["lease"] == lease_ms
+def test_a_link_over_a_network_is_lost_soon_after_its_last_sign_of_life(
+    endpoints: list[str], client_ms: int, router_ms: int
+) -> None:
+    found = session.client_settings(endpoints), session.router_settings(session.Router(listen=tuple(endpoints)))
+    assert [one["transport"]["link"]["tx"]["lease"] for one in found] == [client_ms, router_ms]
 
 
 DOORS = """

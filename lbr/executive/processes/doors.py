@@ -166,7 +166,6 @@ class Doors:
                 id=local_id,
                 never_waiting=everything(self._robot),
                 urgent_waits=True,
-                lease_ms=session.HELD_MS,
             )
         )
         with contextlib.ExitStack() as failed:
@@ -357,7 +356,6 @@ class Doors:
             connect=connect,
             credentials=credentials,
             never_waiting=rights.looked_at(plan or self._plan),
-            lease_ms=session.HELD_MS,
         )
 
     def _cross_to(self, place: RouterAddress) -> Crossing:
