@@ -12,6 +12,7 @@ from aiortc.mediastreams import AudioStreamTrack, MediaStreamError, VideoStreamT
 from PIL import Image
 
 from lbr.apps.call.media import Media
+from tests.support.waiting import HANG_S
 
 GREY, WHITE = 90, 250
 
@@ -54,7 +55,7 @@ class Caller:
         self._loop.close()
 
     def _run(self, work: Coroutine[Any, Any, Any]) -> Any:
-        return asyncio.run_coroutine_threadsafe(work, self._loop).result(8.0)
+        return asyncio.run_coroutine_threadsafe(work, self._loop).result(HANG_S)
 
     async def _offer(self, purpose: str) -> str:
         connection = self._connection = RTCPeerConnection(RTCConfiguration(iceServers=[]))

@@ -12,8 +12,9 @@ from starlette.responses import PlainTextResponse, Response, StreamingResponse
 from starlette.types import Receive, Scope, Send
 
 from lbr.apps.http import listening
+from lbr.apps.http import serving as serving_
 from lbr.apps.http.serving import Server
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 
 class App:
@@ -148,7 +149,8 @@ def test_who_leaves_before_the_body_is_whole_is_told_to_the_app(served):
     until(lambda: app.left == ["gone"])
 
 
-def test_a_server_that_ends_finishes_what_it_answers_and_closes_what_is_idle():
+def test_a_server_that_ends_finishes_what_it_answers_and_closes_what_is_idle(monkeypatch):
+    monkeypatch.setattr(serving_, "GRACE_S", HANG_S)
     with serving() as (app, server, port), socket.create_connection(("127.0.0.1", port), timeout=8) as busy:
         busy.sendall(request(b"GET", b"/late"))
         with socket.create_connection(("127.0.0.1", port), timeout=8) as idle:

@@ -89,7 +89,7 @@ class Page:
             return http.client.HTTPConnection("127.0.0.1", self.port, timeout=HANG_S)
         trust = ssl.create_default_context(cafile=str(self.folder / "credentials" / "bus.crt"))
         trust.check_hostname = False
-        return http.client.HTTPSConnection("127.0.0.1", self.port, timeout=5, context=trust)
+        return http.client.HTTPSConnection("127.0.0.1", self.port, timeout=HANG_S, context=trust)
 
     @contextmanager
     def ask(
@@ -113,7 +113,7 @@ class Page:
         self.popen.send_signal(signal.SIGTERM)
         assert self.popen.stdout is not None
         self.popen.stdout.close()
-        return self.popen.wait(5)
+        return self.popen.wait(HANG_S)
 
 
 @pytest.fixture(scope="module")
@@ -211,7 +211,7 @@ def test_a_slow_viewer_misses_pictures_and_delays_nobody(cameras, page):
     slow.sock.connect(("127.0.0.1", page.port))
     slow.request("GET", "/stream.mjpg?camera=rear", headers={"Authorization": f"Bearer {page.token}"})
     last, size = 60, 50_000
-    with slow.getresponse() as late, watching(page, cameras) as response:
+    with slow.getresponse() as late, watching(page, cameras, "/stream.mjpg?camera=front") as response:
         late.read(len(PART))
         for mark in range(last + 1):
             cameras.show(mark, "rear", size=size)

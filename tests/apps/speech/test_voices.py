@@ -17,7 +17,7 @@ from lbr.apps.speech.text import voice_of
 from lbr.apps.speech.worker import Worker
 from lbr.errors import LbrError
 from tests.support import needs
-from tests.support.waiting import until
+from tests.support.waiting import HANG_S, until
 
 needs.modules("botocore")
 SOUND = b"\x00\x20\x00\xe0" * 4000
@@ -68,7 +68,7 @@ def cloud(monkeypatch):
 def wanted(tmp_path, cloud):
     """Return a function that makes a request to the service."""
 
-    def make(text="Hello & good day", *, timeout_s=6.0, **more):
+    def make(text="Hello & good day", *, timeout_s=HANG_S, **more):
         where = Cloud(
             region="us-west-2",
             endpoint=f"http://127.0.0.1:{cloud.server_port}",
@@ -108,7 +108,7 @@ def test_a_cloud_that_does_not_say_it_is_left_alone_for_a_while(cloud, wanted, m
     cloud.mood = mood
     for _ in range(3):
         with pytest.raises(LbrError, match=why):
-            polly.write(wanted(timeout_s=0.3 if mood == "hang" else 6.0))
+            polly.write(wanted(timeout_s=0.3 if mood == "hang" else HANG_S))
     asked = until(lambda: len(cloud.asked) == 2 and len(cloud.asked))
     assert asked == 2
     polly.write(wanted("First, so that all is loaded"))  # what is known is said all the same
@@ -162,7 +162,7 @@ def real(cloud):
 
 
 def said(found, request):
-    found.write(request, 9.0)
+    found.write(request, HANG_S)
     return until(found.poll)
 
 
