@@ -7,7 +7,8 @@ import pytest
 
 from lbr import client
 from lbr.client import aio
-from tests.client.wheels import NOT_YET, turning, wheels
+from tests.client.wheels import turning, wheels
+from tests.support.mover import NOT_BEGUN
 from tests.support.waiting import HANG_S, until
 
 
@@ -25,7 +26,7 @@ async def begun(robot, motion):
         try:
             return await motion().__aenter__()
         except client.RefusalError as error:
-            if error.code not in NOT_YET:
+            if error.code not in NOT_BEGUN:
                 raise
             await asyncio.sleep(0.05)
     raise AssertionError("it never began")
@@ -108,7 +109,7 @@ async def _said(robot, line):
         try:
             return await robot.say(line, hold_s=30)
         except client.RefusalError as error:
-            if error.code not in NOT_YET:
+            if error.code not in NOT_BEGUN:
                 raise
             await asyncio.sleep(0.05)
 
@@ -146,7 +147,7 @@ def test_a_motion_of_the_blocking_robot_is_kept_while_its_program_waits_and_no_l
         try:
             return robot.drive(0.1, 180, at_most_s=1.5).__enter__()
         except client.RefusalError as error:
-            if error.code not in NOT_YET:
+            if error.code not in NOT_BEGUN:
                 raise
             return None
 

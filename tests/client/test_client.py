@@ -9,9 +9,10 @@ from contextlib import ExitStack
 import pytest
 
 from lbr import client
-from tests.client.wheels import HELD_UP, NOT_YET, turning, wheels
+from tests.client.wheels import turning, wheels
 from tests.support import programs
 from tests.support import robot as robots
+from tests.support.mover import HELD_UP, NOT_BEGUN
 from tests.support.waiting import until
 
 PATIENT = {"ttl_s": 1.0}
@@ -39,7 +40,7 @@ def borrowed(robot, key="drive/command", **message):
         try:
             return robot.borrow(key, **message, **PATIENT)
         except client.RefusalError as error:
-            if error.code not in NOT_YET:
+            if error.code not in NOT_BEGUN:
                 raise
             return None
 
@@ -234,9 +235,9 @@ def test_a_forked_process_is_told_to_be_spawned_and_leaves_its_parents_motion_al
     env = {**os.environ, "LBR_HOME": str(home)}
     done = programs.run([sys.executable, "-c", FORKED], env=env, capture_output=True, text=True)
     *told, parent = done.stdout.splitlines()
+    assert (parent, done.stderr, done.returncode) == ("0 True", "", 0)
     assert ["was forked" in text for text in told[:3]] == [True] * 3
     assert all("was forked" in text for text in told)
-    assert (parent, done.stderr, done.returncode) == ("0 True", "", 0)
 
 
 def test_a_motion_that_is_not_there_is_told_with_what_names_those_that_are(robot):

@@ -1,7 +1,4 @@
-"""What the emulated wheels do, and how a motion of theirs ends or is refused whose robot or client the machine holds up."""
-
-NOT_YET = {"not_armed", "no_setpoint", "held", "stale_sensor", "late", "unreachable"}
-HELD_UP = NOT_YET | {"lapsed", "dead_lease", "holder_gone"}
+"""What the emulated wheels do."""
 
 
 def wheels(robot):

@@ -10,6 +10,9 @@ from lbr.errors import BusError
 from tests.support.robot import Robot
 from tests.support.waiting import HANG_S
 
+NOT_BEGUN = frozenset({"late", "held", "stale_sensor", "not_armed", "no_setpoint", "unreachable"})
+HELD_UP = NOT_BEGUN | {"lapsed", "dead_lease", "holder_gone"}
+"""How a motion is refused, or ends, where a busy machine holds up who sends it, decides it or carries it out."""
 POWER = 0.4
 RENEW_S = 0.1
 
