@@ -34,6 +34,7 @@ AGAIN = {
     "dead_lease",
     "holder_gone",
     "stopped_since",
+    "unreachable",
 }
 """After these a motion is to be asked for again: the base is not armed yet, or a busy machine held somebody up."""
 pytestmark = pytest.mark.slow_start
@@ -55,7 +56,7 @@ class Present:
 
 @pytest.fixture(scope="module")
 def running(tmp_path_factory):
-    with robots.running(robots.prepare(tmp_path_factory.mktemp("mcp"))) as robot:
+    with robots.running(robots.prepare(tmp_path_factory.mktemp("mcp"), edits=robots.PATIENT)) as robot:
         yield robot
 
 

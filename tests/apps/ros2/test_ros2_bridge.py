@@ -6,6 +6,7 @@ import time
 import pytest
 
 from lbr.bus.door import TokenRight
+from lbr.bus.session import HELD_MS
 from lbr.messages.drive import GoalResult
 from lbr.messages.joints import Joint
 from lbr.messages.leases import CommandReply
@@ -19,7 +20,7 @@ from tests.support.waiting import until
 
 needs.modules("rosbags")
 needs.modules("xxhash")
-from lbr.apps.ros2 import codec  # noqa: E402 - it needs both
+from lbr.apps.ros2 import codec, link  # noqa: E402 - it needs both
 from lbr.apps.ros2.kind import KIND  # noqa: E402
 from lbr.apps.ros2.trajectory import TRAJECTORY  # noqa: E402
 from tests.support import ros_side  # noqa: E402
@@ -117,6 +118,7 @@ class Bridge:
 @pytest.fixture
 def place(tmp_path, monkeypatch):
     monkeypatch.setenv("LBR_HOME", str(tmp_path))
+    monkeypatch.setattr(link, "LINK_LEASE_MS", HELD_MS)  # both ends are in this process, and are held up with it
     return f"tcp/127.0.0.1:{free_port()}"
 
 
