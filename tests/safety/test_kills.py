@@ -18,7 +18,7 @@ def test_a_killed_motor_driver_and_killed_drive_operations_leave_the_motors_stan
         under_test.forget_deaths(name)
         kills.kill_process(under_test, name, figure)
 
-    results = held(scenario)
+    results = held(lambda under_test: under_test.once_it_moves(scenario))
     assert (results.of(figure).n, results.of("S14").n >= 1) == (1, True)
 
 

@@ -64,8 +64,10 @@ def _drove(under_test: Bench) -> list[tuple[bytes, bytes]]:
     """Drive until the motors turn, and return what was said; nothing where a busy machine held it up."""
     said = [(b'{"power": 0.4, "take_over": true}', stamp.make("recorded", 0))]
     answer = _say(under_test.robot.bus, under_test, *said[0])
+    if not answer["accepted"]:
+        return []
     said.append((b'{"power": 0.4, "lease": "%s"}' % answer["lease"].encode(), stamp.make("recorded", 0)))
-    if not (answer["accepted"] and _say(under_test.robot.bus, under_test, *said[1])["accepted"]):
+    if not _say(under_test.robot.bus, under_test, *said[1])["accepted"]:
         return []
     until(lambda: not under_test.trace.now().zero or under_test.answer("drive/state")["holder"] is None)
     return [] if under_test.trace.now().zero else said

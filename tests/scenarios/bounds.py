@@ -80,7 +80,7 @@ def bounds(results: Results, n: int) -> None:
 
 def _ended(under_test: Bench) -> dict[str, Any]:
     """Return how the newest bounded move ended."""
-    return under_test.robot.ask("drive/result", timeout_s=1.0) or {"goal": ""}
+    return under_test.robot.ask("drive/result", timeout_s=HANG_S) or {"goal": ""}
 
 
 def _next_end(under_test: Bench, before: str) -> dict[str, Any]:

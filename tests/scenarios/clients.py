@@ -26,7 +26,6 @@ def plain_client_killed(under_test: Bench) -> None:
 
 def plain_client_leaves(under_test: Bench) -> None:
     """A client closes its session without a stop: the lease lapses."""
-    popen = plain_client(under_test)
 
     def leave() -> int:
         at_ns = time.monotonic_ns()
@@ -34,22 +33,23 @@ def plain_client_leaves(under_test: Bench) -> None:
         popen.stdin.close()
         return at_ns
 
-    _gone(under_test, "S8", leave)
-    popen.wait(HANG_S)
+    with plain_client(under_test) as popen:
+        _gone(under_test, "S8", leave)
+        popen.wait(HANG_S)
 
 
 def send_killed(under_test: Bench) -> None:
     """Kill `lbr send` while it holds a motion."""
-    popen = _send(under_test)
-    _gone(under_test, "S8", lambda: under_test.kill(popen.pid))
-    popen.wait(HANG_S)
+    with _send(under_test) as popen:
+        _gone(under_test, "S8", lambda: under_test.kill(popen.pid))
+        popen.wait(HANG_S)
 
 
 def send_interrupted(under_test: Bench) -> None:
     """Ctrl-C on `lbr send`: it stops what it moves."""
-    popen = _send(under_test)
-    _gone(under_test, "S8 clean", lambda: under_test.kill(popen.pid, signal.SIGINT))
-    popen.wait(HANG_S)
+    with _send(under_test) as popen:
+        _gone(under_test, "S8 clean", lambda: under_test.kill(popen.pid, signal.SIGINT))
+        popen.wait(HANG_S)
 
 
 def console_killed(under_test: Bench) -> None:

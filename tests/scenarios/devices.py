@@ -9,7 +9,7 @@ from typing import Any
 from lbr.bus import stamp, wire
 from tests.scenarios.bounds import held
 from tests.scenarios.estop import PAUSE_S
-from tests.support.bench import Bench
+from tests.support.bench import ALMOST, Bench, NoMotionError
 from tests.support.trace import Output
 from tests.support.waiting import HANG_S
 
@@ -77,6 +77,9 @@ def motors_dumb(under_test: Bench) -> None:
     robot = under_test.robot
     mover = under_test.drive()
     with fault(under_test, MOTORS, "silent"):
+        if not under_test.trace.now().least >= ALMOST:
+            mover.cease()
+            raise NoMotionError("the motors stood before the emergency stop")
         at_ns = time.monotonic_ns()
         said = robot.line("estop")
         zero = under_test.stopped_after("E7 stop", at_ns)

@@ -5,7 +5,7 @@ import os
 import signal
 import socket
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -13,7 +13,7 @@ import psutil
 
 from tests.scenarios.clients import plain_client
 from tests.scenarios.kills import AFTERMATH_S, kill_process
-from tests.support.bench import STARTS_S, Bench, bench, processes_of
+from tests.support.bench import STARTS_S, Bench, NoMotionError, bench, processes_of
 from tests.support.figures import Results
 
 FROZEN_S = 0.6
@@ -71,7 +71,7 @@ def everything_frozen(under_test: Bench) -> None:
     """S11: everything but the emulated hardware; only the controller's own watchdog is left."""
     world = under_test.pid("world")
     frozen = [process for process in processes_of(under_test.robot.home) if process.pid != world]
-    with _insisting(under_test):
+    with _insisting(under_test, frozen):
         fault_ns = time.monotonic_ns()
         _signal(frozen, signal.SIGSTOP)
         zero = under_test.stopped_after("S11", fault_ns)
@@ -85,7 +85,7 @@ def driver_and_guard_killed(under_test: Bench) -> None:
     """S12: the driver and its guard at once."""
     pid = under_test.pid("motors")
     both = [*psutil.Process(pid).children(), psutil.Process(pid)]
-    with _insisting(under_test):
+    with _insisting(under_test, both):
         fault_ns = time.monotonic_ns()
         _signal(both, signal.SIGKILL)
         zero = under_test.stopped_after("S12", fault_ns)
@@ -139,10 +139,12 @@ def break_links(pid: int) -> None:
 
 
 @contextmanager
-def _insisting(under_test: Bench) -> Iterator[None]:
-    """Drive with a sender that goes on whatever happens."""
+def _insisting(under_test: Bench, victims: Sequence[psutil.Process] = ()) -> Iterator[None]:
+    """Drive with a sender that goes on whatever happens, by processes that have not begun anew meanwhile."""
     mover = under_test.drive()
     try:
+        if gone := [victim.pid for victim in victims if not victim.is_running()]:
+            raise NoMotionError(f"processes {gone} were gone before")
         yield
     finally:
         mover.cease()

@@ -21,11 +21,13 @@ def kill_process(
     """Kill (or freeze) one capability's process; the old lease goes on being renewed until well after the new one is ready."""
     pid = under_test.pid(name)
     mover = under_test.drive()
-    fault_ns = under_test.kill(pid, number)
-    zero = under_test.stopped_after(figure, fault_ns)
-    under_test.ready_again(name, pid, fault_ns, ready_figure)
-    under_test.pass_time(AFTERMATH_S)
-    mover.cease()
+    try:
+        fault_ns = under_test.kill(pid, number)
+        zero = under_test.stopped_after(figure, fault_ns)
+        under_test.ready_again(name, pid, fault_ns, ready_figure)
+        under_test.pass_time(AFTERMATH_S)
+    finally:
+        mover.cease()
     under_test.stays_at_rest(zero)
     if name == "motors" and zero is not None:
         under_test.begins_with_zero(zero.at_ns)  # what was on its way before could not be called back

@@ -56,7 +56,7 @@ def temporary_home(*victims: str, edits: tuple[str, ...] = (), whole: bool = Fal
 
 
 class NoMotionError(AssertionError):
-    """The motors did not turn in time: a machine that was busy for 0.1 s has disarmed them."""
+    """The motors did not turn in time, or their process is another: a machine that was busy for 0.1 s has disarmed them."""
 
 
 def _is_well(unit: dict[str, Any]) -> bool:
@@ -169,7 +169,10 @@ class Bench:
     def kill(self, pid: int, number: int = signal.SIGKILL) -> int:
         """Signal a process; return the moment before."""
         at_ns = time.monotonic_ns()
-        os.kill(pid, number)
+        try:
+            os.kill(pid, number)
+        except ProcessLookupError:
+            raise NoMotionError(f"process {pid} was gone before") from None
         return at_ns
 
     def stopped_after(
