@@ -28,6 +28,7 @@ def served(monkeypatch, tmp_path) -> Iterator[Served]:
     with serving(Plain(), faces=("cameras",), users=users, simulated=False, requests_per_s=4000.0) as found:
         found.stage.bring("cameras", "camera_front", ON)
         found.stage.bring("cameras", "camera_rear", CameraState(on=False, phase="off", device="/dev/video2"))
+        until(lambda: "cameras" not in found.stage.came, what="a round that reads them")
         yield found
 
 
