@@ -3,6 +3,7 @@
 import pytest
 
 from lbr import client
+from tests.client.wheels import release
 from tests.support import lbr_client
 from tests.support import robot as robots
 
@@ -22,7 +23,7 @@ def running(home):
 def robot(running, home, monkeypatch):
     monkeypatch.setenv("LBR_HOME", str(home))
     with client.connect(name="a test") as robot:
-        robot.say("reset")
+        release(robot)
         robot.stop()
         yield robot
 
