@@ -138,7 +138,7 @@ class Ros2(Capability[Ros2Settings]):
         if self._joined:
             self._lose_router()
         if link.connected:
-            self._count, self._joined = link.count, True
+            self._count, self._joined, self._driving.joined_s = link.count, True, self.ctx.clock()
             self._showing.begin()
 
     def _lose_router(self) -> None:

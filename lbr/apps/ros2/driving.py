@@ -1,12 +1,12 @@
 """The twist or trajectory that the robot follows, by the publishers in ROS, or why it stands. Pure.
 
 One publisher drives at a time. It is the first with a motion, until it rests or leaves, its twists fall silent, or
-its trajectory is over. After any interruption that publisher must send a twist of zero, or an empty trajectory, before
-it moves the robot again. So nothing resumes by itself. Another publisher may begin at once.
+its trajectory is over. After any interruption, of the bridge too, that publisher must send a twist of zero, or an empty
+trajectory, before it moves the robot again. So nothing resumes by itself. Another publisher may begin at once.
 """
 
 from collections import OrderedDict
-from math import hypot
+from math import hypot, inf
 from typing import NamedTuple
 
 from msgspec import Struct
@@ -21,6 +21,7 @@ from lbr.messages.joints import JointsCommand
 MOST_PUBLISHERS = 64
 WINDOW_S = 30.0
 """The time over which the quickest message defines the difference of a publisher's clock."""
+JOINING_S = 5.0  # who has published before the router is joined is received within it, on a busy machine too
 AT_REST = Reason("idle", "nobody in ROS asks for motion")
 
 
@@ -81,14 +82,15 @@ class Publisher:
 class Driving:
     """The publishers of motion: `receive` messages, and follow the `command`; `lost` are refusals and ends to report.
 
-    `driver` is the gid of the publisher that drives, or empty; `stands` is why the robot must stand. With a reason why
-    it is `denied`, no publisher in ROS drives.
+    `driver` is the gid of the publisher that drives, or empty; `stands` is why the robot must stand; `joined_s` is when
+    the router was joined. With a reason why it is `denied`, no publisher in ROS drives.
     """
 
     def __init__(self, limits: Limits, denied: Reason | None = None) -> None:
         self._limits = limits
         self._denied = denied
         self._publishers: OrderedDict[bytes, Publisher] = OrderedDict()
+        self.joined_s = -inf
         self.driver: bytes = b""
         self.stands = AT_REST
         self.lost: list[tuple[bytes, Reason]] = []
@@ -97,10 +99,9 @@ class Driving:
         """Receive a twist or a trajectory of a publisher."""
         publisher = self._publisher(asked.by.gid)
         refusal = self._unfit(publisher, asked)
-        if refusal is not None and refusal.code == "repeated":
-            return
         if refusal is not None:
-            self._refuse(asked.by.gid, publisher, refusal)
+            if refusal.code != "repeated":
+                self._refuse(asked.by.gid, publisher, refusal)
             return
         publisher.heard_s = asked.arrived_s
         if asked.motion.rests:
@@ -172,6 +173,8 @@ class Driving:
         return publisher
 
     def _unfit(self, publisher: Publisher, asked: MotionMessage) -> Reason | None:
+        if publisher.sequence is None and asked.by.sequence > 1 and not asked.arrived_s - self.joined_s >= JOINING_S:
+            publisher.lose()  # its first message, number 1, came before
         if publisher.sequence is not None and asked.by.sequence <= publisher.sequence:
             return Reason("repeated", "")
         publisher.sequence = asked.by.sequence

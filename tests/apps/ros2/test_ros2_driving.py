@@ -81,6 +81,21 @@ def test_a_publisher_drives_until_it_rests(side):
     assert side.codes == []
 
 
+@pytest.mark.parametrize(
+    ("first", "after_s", "drives"), [(2, 0.0, False), (900, 4.9, False), (1, 0.0, True), (0, 0.0, True), (2, 5.1, True)]
+)
+def test_who_has_published_while_the_bridge_was_away_must_rest_first_and_no_other(side, first, after_s, drives):
+    side.driving.joined_s = side.now
+    side.now += after_s
+    side.sequence = first - 1
+    side.run(1.0)
+    assert side.twist == (AHEAD if drives else None)
+    assert side.codes == ([] if drives else ["rest_first"])
+    side.say(REST)
+    side.say()
+    assert side.twist == AHEAD
+
+
 def test_a_twist_beyond_the_limits_is_scaled_down_as_a_whole(side):
     side.say((2.0, 0.0, 1.0))
     assert side.twist == pytest.approx((0.5, 0.0, 0.25))

@@ -120,10 +120,13 @@ def test_a_node_that_is_frozen_stops_the_robot_and_thawed_it_does_not_go_on(ros)
     node.kill()
 
 
-def test_a_bridge_that_is_killed_stops_the_robot(ros):
+def test_a_bridge_that_is_killed_stops_the_robot_and_for_the_next_the_same_node_must_rest_first(ros):
     node = ros.drives()
     os.kill(ros.robot.capability("ros2")["pid"], signal.SIGKILL)
     until(lambda: ros.trace.now().zero, limit_s=STOPS_S, what="wheels that stand")
+    stood_ns = ros.trace.now().at_ns
+    until(lambda: "rest_first" in ros.refusals(), what="the same node, refused")
+    ros.rest(stood_ns)
     node.kill()
     until(lambda: ros.robot.capability("ros2")["phase"] == "ready", what="the bridge again")
 
