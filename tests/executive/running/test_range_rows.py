@@ -117,11 +117,15 @@ def test_what_the_lidar_alone_sees_stops_the_robot_before_it(lidar):
     until(lambda: seen(lidar)["lidar forward"] < 0.5)
     assert lidar.ask("ranges/readings")["forward_m"] > 0.6, "the sensor ahead hears nothing of it"
     hold = until(lambda: drives(lidar))
-    until(lambda: "lidar forward 0." in why_it_stands(lidar, hold, "/r/0.2/0"))
+
+    def came_near() -> bool:
+        return "lidar forward 0." in why_it_stands(lidar, hold, "/r/0.2/0") and seen(lidar)["lidar forward"] < 0.31
+
+    until(came_near, what="what it is stopped by")
     pose = lidar.ask("world/pose")
     assert not pose["touching"]
     assert seen(lidar)["lidar forward"] == pytest.approx(0.25, abs=0.06)
-    assert "lidar forward" in until(lambda: refusal(lidar, "/r/0.2/0"))
+    until(lambda: "lidar forward" in refusal(lidar, "/r/0.2/0"), what="its refusal")
     assert until(lambda: drives(lidar, "/r/0.2/180")), "away from it is free"
 
 
@@ -130,7 +134,7 @@ def test_a_lidar_that_fails_stops_the_robot_and_lets_it_go_on_afterwards(lidar, 
     until(lambda: drives(lidar, "/r/0.1/180") and (left(lidar) or 0.0) < 0.0, what="motion")
     lidar.line(f"/fault/lidar_line/{fault}")
     until(lambda: (drives(lidar, "/r/0.1/180"), left(lidar) == 0.0)[1])
-    assert "lidar back" in until(lambda: refusal(lidar, "/r/0.1/180")), lidar.capability("drive")
+    until(lambda: "lidar back" in refusal(lidar, "/r/0.1/180"), what="its refusal")
     lidar.line(f"/fault/lidar_line/{fault}/off")
     until(lambda: drives(lidar, "/r/0.1/0"), what="motion with a lidar that works again")
 
