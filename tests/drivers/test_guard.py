@@ -64,7 +64,14 @@ def test_a_guard_of_wheels_watches_soon_as_it_imports_nothing_else_of_the_projec
 
 def test_a_guard_is_told_often_that_something_may_move_and_seldom_that_nothing_does():
     now, told = [100.0], []
-    guard = Guard(lambda pipe, _driver: told.append(os.dup(pipe)) or ["-c", "input()"], (), lambda: now[0], 1.0)
+    lives, ends = os.pipe()
+
+    def command(pipe, _driver):
+        told.append(os.dup(pipe))
+        return ["-c", f"import os; os.read({lives}, 1)"]
+
+    guard = Guard(command, (lives,), lambda: now[0], 1.0)
+    os.close(lives)
     (pipe,) = told
     assert not os.get_blocking(guard._alive), "a full pipe holds no driver up"
     counts = []
@@ -81,6 +88,7 @@ def test_a_guard_is_told_often_that_something_may_move_and_seldom_that_nothing_d
         guard.beat(turning=turning)
         assert guard.standing, "it has read what it was told"
         os.read(pipe, 4096)
+    os.close(ends)
     guard.dismiss()
     assert os.read(pipe, 4096) == b"q"
     os.close(pipe)
