@@ -83,7 +83,7 @@ class Opened:
         *,
         at: str = "127.0.0.1",
         by: str = "",
-        script: str = "",
+        script: str = SLOWLY,
         **more: Any,
     ) -> Page:
         """Open the robot's page, at a name of the robot, by a token of that name, after a script of the test."""
@@ -138,7 +138,7 @@ def grip(page: Page, ahead: float = 0.32, right: float = 0.0) -> None:
 
 @both
 def test_a_thumb_drives_and_a_lifted_thumb_stops(opened, robot, size):
-    page = opened.page(size, script=SLOWLY)
+    page = opened.page(size)
     grip(page)
     assert within(page, lambda: robot.moves)
     assert robot.held[-1]["to"] == "drive/command"
@@ -150,7 +150,7 @@ def test_a_thumb_drives_and_a_lifted_thumb_stops(opened, robot, size):
 
 
 def test_keys_drive_while_they_are_held(opened, robot):
-    page = opened.page(script=SLOWLY)
+    page = opened.page()
     expect(page.locator(".drive-why")).to_contain_text("Ready")
     page.keyboard.down("ArrowUp")
     page.keyboard.down("d")
@@ -261,7 +261,7 @@ def test_space_and_escape_stop_and_escape_does_within_a_dialogue_too(opened, rob
 
 @both
 def test_stop_is_above_a_dialogue_and_held_for_a_second_it_is_the_emergency_stop(opened, robot, size):
-    page = opened.page(size, path="/icon.svg")
+    page = opened.page(size, path="/icon.svg", script="")
     page.clock.install(time=0)
     page.goto(page.url.replace("icon.svg", "#drive"))
     page.get_by_role("button", name="Settings").click()
@@ -353,7 +353,7 @@ def test_the_buttons_beside_a_table_that_runs_stay_while_it_moves_and_stands(ope
     robot.streams = with_a_table
     robot.rebuild(None)
     try:
-        page = opened.page(script=SLOWLY)
+        page = opened.page()
         line = page.locator(".drive-why")
         expect(line.get_by_role("button", name="Take over")).to_be_visible()
         gone = page.evaluate(
@@ -391,7 +391,7 @@ def test_a_code_for_a_phone_that_is_over_is_renewed_on_a_press(opened, robot):
         }
         route.fulfill(json={"code": 0, "text": "", "data": data})
 
-    page = opened.page(path="/icon.svg")
+    page = opened.page(path="/icon.svg", script="")
     page.clock.install()
     page.route("**/api", with_the_word)
     page.route("**/api/console", paired)
@@ -486,14 +486,14 @@ def test_it_speaks_texts_and_phrases(opened, robot, size):
 
 
 def test_what_is_old_says_so(opened, robot):
-    page = opened.page()
+    page = opened.page(script="")
     expect(page.locator(".drive-why")).to_contain_text("Ready")
     robot.muted |= {"drive"}
     expect(page.locator(".drive-why")).to_contain_text(re.compile(r"\d s old"), timeout=6000)
 
 
 def test_a_robot_that_comes_back_is_found_again(opened, robot):
-    page = opened.page()
+    page = opened.page(script="")
     expect(page.locator('.linkdot[data-link="open"]')).to_be_visible()
     page.context.set_offline(True)
     page.evaluate("1")
