@@ -43,7 +43,7 @@ class Engine:
     def _sounds(self, request: Request) -> bool:
         """Write the sound of a text; return whether there is any sound in it.
 
-        Rarely, after a voice that it does not have, the library writes silence.
+        Rarely, the library writes silence after a voice that it does not have, and nothing while its last text ends.
         """
         path = Path(request.path)
         named = (request.name,) if request.engine == ESPEAK else ()
@@ -62,7 +62,7 @@ class Engine:
             raise LbrError(f"the speech engine has no voice for '{request.language}'")
         if self._errors:
             raise LbrError(f"the speech engine failed: {self._errors[0][:200]}")
-        return request.volume == 0.0 or wav.peak(path) >= wav.SILENT_PEAK
+        return path.exists() and (request.volume == 0.0 or wav.peak(path) >= wav.SILENT_PEAK)
 
     def _note(self, name: object, exception: object) -> None:
         del name

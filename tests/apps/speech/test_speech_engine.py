@@ -5,6 +5,7 @@ import time
 
 import pytest
 import pyttsx3
+from pyttsx3.drivers import _espeak
 
 from lbr.apps.sound import wav
 from lbr.apps.speech import worker
@@ -81,6 +82,17 @@ def test_a_text_that_came_out_silent_once_is_written_again(monkeypatch, tmp_path
     write = made.save_to_file
     monkeypatch.setattr(made, "save_to_file", lambda text, path: write(texts.pop() if texts else text, path))
     Engine().write(request(tmp_path / "a.wav"))
+    assert wav.peak(tmp_path / "a.wav") > wav.SILENT_PEAK
+
+
+def test_a_text_that_begins_while_the_last_one_is_not_quite_over_is_written_all_the_same(monkeypatch, tmp_path, real):
+    assert real.idle
+    made = pyttsx3.init()
+    monkeypatch.setattr(pyttsx3, "init", lambda: made)
+    playing = [True]
+    monkeypatch.setattr(_espeak, "IsPlaying", lambda: bool(playing) and playing.pop())
+    Engine().write(request(tmp_path / "a.wav", "Hello, I am well. " * 99))
+    assert playing == []
     assert wav.peak(tmp_path / "a.wav") > wav.SILENT_PEAK
 
 
