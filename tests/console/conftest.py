@@ -18,7 +18,7 @@ PATIENCE = (
 
 @pytest.fixture
 def patient(monkeypatch):
-    """What a console takes for held up, late or silent, it does where a test says so: a busy machine holds up tests, too."""
+    """Give a console the patience of a hang; a test that tries a shorter limit sets it. A busy machine holds up tests, too."""
     for name in PATIENCE:
         monkeypatch.setattr(f"lbr.console.{name}", HANG_S)
 

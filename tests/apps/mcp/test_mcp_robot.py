@@ -9,6 +9,7 @@ import pytest
 from tests.apps.mcp.conftest import SPIN, agent, turning
 from tests.support import needs
 from tests.support import robot as robots
+from tests.support.mover import HELD_UP
 from tests.support.waiting import HANG_S, until
 
 needs.modules("mcp")
@@ -23,19 +24,7 @@ from lbr.apps.mcp.server import McpServer  # noqa: E402
 from lbr.client import aio  # noqa: E402
 
 NAMED = Implementation(name="a test", version="1")
-AGAIN = {
-    "not_armed",
-    "no_setpoint",
-    "held",
-    "stale_sensor",
-    "busy",
-    "late",
-    "lapsed",
-    "dead_lease",
-    "holder_gone",
-    "stopped_since",
-    "unreachable",
-}
+AGAIN = HELD_UP | {"busy", "stopped_since"}
 """After these a motion is to be asked for again: the base is not armed yet, or a busy machine held somebody up."""
 pytestmark = pytest.mark.slow_start
 

@@ -39,7 +39,7 @@ PAD = """
     if (anew) dispatchEvent(new Event("gamepadconnected"));
   };"""
 SLOWLY = "const now = performance.now.bind(performance); performance.now = () => now() / 10;"
-"""A page takes its hand off and its streams for old where it, or its server, was held up for a second: here for ten."""
+"""A page ends its hold, and marks its streams old, after a second in which it or its server is held up. Here it is ten."""
 FRAMES = "async () => { for (let n = 0; n < 6; n++) await new Promise(requestAnimationFrame); }"
 UNNAMED = """() => [...document.querySelectorAll("button, a, input, select, [role=application]")]
   .filter((one) => one.offsetParent !== null || one.id === "stop")
